@@ -34,7 +34,7 @@ struct RadialCase {
   double snapping_N;
 };
 
-TEST(ActuationExamples, ForcesOfTheExactGeometry) {
+TEST(ActuationExamples, RadialAndSnappingForcesMatchExactGeometry) {
   const RadialCase cases[] = {{0.041, {0.230, 0.235, 0.240}, -0.469},
                               {0.046, {0.161, 0.165, 0.169}, -0.218},
                               {0.051, {0.115, 0.119, 0.122}, -0.109}};
@@ -51,14 +51,14 @@ TEST(ActuationExamples, ForcesOfTheExactGeometry) {
   }
 }
 
-TEST(ActuationExamples, TangentialForceOnTop) {
+TEST(ActuationExamples, CoilXPushesAlongXWithTheMagnetOnTop) {
   // Magnet on top, moment up: coil x pushes along x.
   const ForceAtPose force = EvaluateForceMap(Nominal().map, {0, 0, 0.041}, {0, 0, 1});
   EXPECT_NEAR(force.newton_per_ampere[0], 0.199, 0.006);
   EXPECT_NEAR(force.newton_per_ampere[1], 0, 1e-3);
 }
 
-TEST(ActuationExamples, InsideTheWindingsOrNotANumberThereIsNoMap) {
+TEST(ActuationExamples, ForceMapIsInvalidInsideWindingsAndForNonFinitePoses) {
   for (const base::Vec3& p : {base::Vec3{0, 0, 0.02}, base::Vec3{0, 0, 0}, base::Vec3{kNaN, 0, 0.05},
                               base::Vec3{0, 0, std::numeric_limits<double>::infinity()}}) {
     EXPECT_FALSE(EvaluateForceMap(Nominal().map, p, {0, 0, 1}).valid);
@@ -92,7 +92,7 @@ TEST(ActuationExamples, HotCoilsAreDerated) {
   EXPECT_EQ(ComputeForceLimit(Nominal(), tool, {kNaN, 1e9, -40}).current_max_A[0], 0);
 }
 
-TEST(ActuationExamples, LargestForceByDirectionAndTemperature) {
+TEST(ActuationExamples, LargestForceDependsOnDirectionAndTemperature) {
   const base::ToolState tool = ToolAt({0, 0, 0.05}, {0, 0, -1});
   const base::Vec3 up{0, 0, 1}, side{1, 0, 0};
   const double cold_N = ForceMax_N(Nominal(), tool, up, kCold_C);
@@ -111,7 +111,7 @@ TEST(ActuationExamples, LargestForceByDirectionAndTemperature) {
   EXPECT_LT(base::FeasibleScale(limit, {0, 0, 1.001 * most_N}), 1);
 }
 
-TEST(ActuationExamples, TorqueIsTheSideEffectOfTheCurrents) {
+TEST(ActuationExamples, CurrentsCauseTorqueButNoneAboutTheMagnetAxis) {
   const base::ToolState tool = ToolAt({0.025, 0, 0.045}, {0, 0, -1});
   const base::ForceLimit limit = ComputeForceLimit(Nominal(), tool, kCold_C);
   State state;
@@ -135,7 +135,7 @@ TEST(ActuationExamples, SingularPoseIsReported) {
   EXPECT_LT(flat.conditioning, 0.02);
 }
 
-TEST(ActuationExamples, CompensationCancelsThePull) {
+TEST(ActuationExamples, BiasCurrentsCancelTheSnappingForce) {
   const base::ToolState tool = ToolAt({0.005, 0, 0.046}, base::FromEigen(Eigen::Vector3d(0.1, 0, -1).normalized()));
   const base::ForceLimit limit = ComputeForceLimit(Nominal(), tool, kCold_C);
   const base::Vec3 left = ForceFromCurrents(Nominal().map, tool, limit.bias_A);
@@ -145,7 +145,7 @@ TEST(ActuationExamples, CompensationCancelsThePull) {
   EXPECT_EQ(ComputeForceLimit(without, tool, kCold_C).bias_A, (std::array<double, 3>{}));
 }
 
-TEST(ActuationExamples, NoRequestNoCurrentAndARequestIsSlewedTo) {
+TEST(ActuationExamples, ZeroRequestGivesNoCurrentAndOthersAreSlewLimited) {
   const base::ToolState tool = ToolAt({0, 0, 0.046}, {0, 0, -1});
   const base::ForceLimit limit = ComputeForceLimit(Nominal(), tool, kCold_C);
   State state;
@@ -165,7 +165,7 @@ TEST(ActuationExamples, NoRequestNoCurrentAndARequestIsSlewedTo) {
   EXPECT_NEAR(std::hypot(force.x, force.y), 0, 1e-6);
 }
 
-TEST(ActuationExamples, DoubtIsZeroAtOnce) {
+TEST(ActuationExamples, InvalidLimitOrRequestZeroesTheCurrentsAtOnce) {
   const base::ToolState tool = ToolAt({0, 0, 0.046}, {0, 0, -1});
   const base::ForceLimit good = ComputeForceLimit(Nominal(), tool, kCold_C);
   base::ForceLimit broken = good;

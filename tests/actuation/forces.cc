@@ -41,7 +41,7 @@ base::ToolState RandomTool(Rng& rng, double r_min_m, double r_max_m, double tilt
 
 std::array<double, 3> ToArray(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-TEST(ActuationForces, MapMeetsChargesInTheFieldOfEveryTurn) {
+TEST(ActuationForces, ForceMapMatchesMagneticChargesInEachWindingsField) {
   Rng rng(1);
   const base::DeviceGeometry device = support::NominalDevice();
   const ForceMap map = MakeForceMap(device);
@@ -76,7 +76,7 @@ TEST(ActuationForces, MapMeetsChargesInTheFieldOfEveryTurn) {
   EXPECT_LT(far, 0.005);
 }
 
-TEST(ActuationForces, CurrentsMakeTheForceThatWasAskedFor) {
+TEST(ActuationForces, CurrentsProduceTheRequestedForce) {
   Rng rng(2);
   const Config config = MakeConfig(support::NominalDevice());
   int within = 0;
@@ -100,7 +100,7 @@ TEST(ActuationForces, CurrentsMakeTheForceThatWasAskedFor) {
   EXPECT_GT(within, 1000);
 }
 
-TEST(ActuationForces, WithoutCompensationEveryRequestKeepsItsDirection) {
+TEST(ActuationForces, UncompensatedForceKeepsTheRequestedDirection) {
   Rng rng(3);
   Config config = MakeConfig(support::NominalDevice());
   config.compensate_snapping = false;
@@ -149,7 +149,7 @@ double RandomDouble(Rng& rng) {
   }
 }
 
-TEST(ActuationForces, LimitsHoldWhateverIsAsked) {
+TEST(ActuationForces, LimitsHoldForAnyRequest) {
   Rng rng(4);
   const Config config = MakeConfig(support::NominalDevice());
   State state;
@@ -188,7 +188,7 @@ TEST(ActuationForces, LimitsHoldWhateverIsAsked) {
 
 // The produced force never grows by more than allowed, nor beyond the limit, however the pen has jumped meanwhile; it
 // starts from the previous tick's currents only.
-TEST(ActuationForces, TheForceThatIsMadeKeepsToItsLimitsOverLeaps) {
+TEST(ActuationForces, ProducedForceStaysWithinLimitsWhenThePoseJumps) {
   Rng rng(6);
   Config config = MakeConfig(support::NominalDevice());
   State state;
@@ -297,7 +297,7 @@ TEST(ActuationForces, CompensationFadesInSmoothlyFromZero) {
   }
 }
 
-TEST(ActuationForces, SingularPoseGivesNoCurrentForTheForceItCannotMake) {
+TEST(ActuationForces, SingularPoseGetsNoCurrentForUnreachableForce) {
   // Pen perpendicular to the radius: the force normal to the plane of pen and radius is out of reach.
   const Config config = MakeConfig(support::NominalDevice());
   base::ToolState tool;

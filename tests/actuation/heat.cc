@@ -36,7 +36,7 @@ base::HallScan ScanAt(std::int64_t t_ns, const Currents& current_A, double tempe
   return scan;
 }
 
-TEST(ActuationHeat, EnergyIsKept) {
+TEST(ActuationHeat, EnergyIsConserved) {
   support::Rng rng(31);
   const HeatConfig config = Nominal();
   HeatState state = StateAt(30);
@@ -60,7 +60,7 @@ TEST(ActuationHeat, EnergyIsKept) {
 }
 
 // Steady state of one coil: Tc - Tb = P / Gcb, Tb - Ta = P / Gba.
-TEST(ActuationHeat, SteadyStateIsTheBalanceOfTheFlows) {
+TEST(ActuationHeat, SteadyStateBalancesHeatFlows) {
   const HeatConfig config = Nominal();
   HeatState state = StateAt(24);
   for (int i = 0; i < 100'000; ++i) AdvanceHeat(config, {0, 5, 0}, 0.1, state);
@@ -71,7 +71,7 @@ TEST(ActuationHeat, SteadyStateIsTheBalanceOfTheFlows) {
 }
 
 // 15 A for 25 s, then off: body 39 C at 65 s, while the copper has been far hotter. 5 A for 15 min: 47 C.
-TEST(ActuationHeat, RunsOfThePaper) {
+TEST(ActuationHeat, MatchesThePublishedHeatingRuns) {
   const HeatConfig config = Nominal();
   HeatState state = StateAt(24);
   double body_peak_C = 0, peak_s = 0, copper_peak_C = 0;
@@ -125,7 +125,7 @@ Derated RunDerated(double worse, bool device_reports) {
   return derated;
 }
 
-TEST(ActuationHeat, CopperNeverPassesItsLimitUnderFullUse) {
+TEST(ActuationHeat, CopperStaysBelowItsLimitUnderFullLoad) {
   const Derated blind = RunDerated(1, false);
   EXPECT_LT(blind.copper_max_C, 68);
   EXPECT_GT(blind.copper_max_C, 66) << "what is there may be used";
@@ -136,7 +136,7 @@ TEST(ActuationHeat, CopperNeverPassesItsLimitUnderFullUse) {
   EXPECT_LT(told.step_max_A, 0.02);
 }
 
-TEST(ActuationHeat, CeilingsFallAndRiseWithoutSteps) {
+TEST(ActuationHeat, CurrentCeilingsChangeWithoutSteps) {
   const HeatConfig config = Nominal();
   HeatState state;
   std::int64_t t_ns = 0;
@@ -161,7 +161,7 @@ TEST(ActuationHeat, CeilingsFallAndRiseWithoutSteps) {
   EXPECT_EQ(state.current_max_A[2], 0);
 }
 
-TEST(ActuationHeat, CeilingFallsSteadilyWithTheCopper) {
+TEST(ActuationHeat, CeilingFallsMonotonicallyWithCopperTemperature) {
   const HeatConfig config = Nominal();
   for (const double body_C : {24.0, 45.0, 60.0}) {
     double last_A = CurrentCeiling_A(config, 1, body_C, body_C);
@@ -187,7 +187,7 @@ TEST(ActuationHeat, SupplyLimitsTheCurrent) {
   EXPECT_NEAR(CurrentCeiling_A(config, 2, 30, 30), 6 / ohm, 1e-12);
 }
 
-TEST(ActuationHeat, BelievesTheWarmerOfModelAndDevice) {
+TEST(ActuationHeat, UsesTheWarmerOfModelAndDevice) {
   const HeatConfig config = Nominal();
   HeatState state;
   UpdateHeat(config, ScanAt(0, {}, 50), {}, state);  // after a restart: the body may be as warm

@@ -54,7 +54,7 @@ ForceAtPose Evaluate(const ForceMap& map, const Pose& at) {
   return EvaluateForceMap(map, base::FromEigen(at.p), base::FromEigen(at.u));
 }
 
-TEST(ActuationKernel, EveryInstructionSetGivesTheSameBits) {
+TEST(ActuationKernel, AllInstructionSetsAreBitIdentical) {
   Rng rng(11);
   ForceMap baseline = MakeForceMap(support::NominalDevice());
   baseline.kernel = ForceKernelOf(ForceKernelLevel::kBaseline);
@@ -76,7 +76,7 @@ TEST(ActuationKernel, EveryInstructionSetGivesTheSameBits) {
 }
 
 // Sums of docs/theory/actuation.md (2), (5), (9) written out with the matrices of service/magnetics.
-TEST(ActuationKernel, FollowsTheFormulasOfMagnetics) {
+TEST(ActuationKernel, MatchesTheMagneticsFormulas) {
   Rng rng(12);
   const base::DeviceGeometry device = support::NominalDevice();
   const ForceMap map = MakeForceMap(device);
@@ -124,7 +124,7 @@ TEST(ActuationKernel, FollowsTheFormulasOfMagnetics) {
 }
 
 // q1, q3, q5 of a set of axial dipoles at (rho, z): q_l = sum share l r^(l-1) P_(l-1)(z / r).
-TEST(ActuationKernel, PointsKeepTheMultipolesOfAnyCylinder) {
+TEST(ActuationKernel, PointsPreserveTheMultipolesOfAnyCylinder) {
   Rng rng(13);
   for (int i = 0; i < 500; ++i) {
     base::MagnetGeometry magnet;
@@ -156,7 +156,7 @@ double Median(std::vector<double> values) {
 }
 
 // A tenth of what the product promises (2.5 % and 3 % at contact, 1 % from 10 mm, 1.5 % from 5 mm).
-TEST(ActuationKernel, ForcesAndTorquesOfTheTwin) {
+TEST(ActuationKernel, ForcesAndTorquesMatchTheTwin) {
   Rng rng(14);
   const base::DeviceGeometry device = support::NominalDevice();
   const ForceMap map = MakeForceMap(device);

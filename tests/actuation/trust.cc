@@ -9,7 +9,7 @@
 namespace omni::actuation {
 namespace test_actuation_trust {
 
-TEST(ForceTrust, IsWholeWithoutAnErrorAndFallsWithIt) {
+TEST(ForceTrust, IsOneWithoutErrorAndFallsWithIt) {
   const base::DeviceGeometry device = support::NominalDevice();
   const ForceMap map = MakeForceMap(device);
   EXPECT_EQ(ForceTrust(map, device, 0.0), 1);
@@ -26,7 +26,7 @@ TEST(ForceTrust, IsWholeWithoutAnErrorAndFallsWithIt) {
   EXPECT_EQ(ForceTrust(ForceMap{}, device, 0.0), 0) << "without a map";
 }
 
-TEST(ForceTrust, ACalibrationIsTrustedAsFarAsItSays) {
+TEST(ForceTrust, FollowsTheExpectedErrorOfTheCalibration) {
   const base::DeviceGeometry device = support::NominalDevice();
   const ForceMap map = MakeForceMap(device);
   const double drawn = ForceTrust(map, device);

@@ -39,7 +39,7 @@ struct Coverage {
 };
 
 // Independent noise of any size, expected or not: the residuals show it.
-TEST(AlignmentCoverage, SweepWithIndependentNoise) {
+TEST(AlignmentCoverage, SweepErrorMatchesPredictionUnderIndependentNoise) {
   for (const double noise_m : {0.5e-3, 1.5e-3, 2.5e-3}) {
     Coverage coverage;
     for (unsigned seed = 0; seed < kFits; ++seed) {
@@ -60,7 +60,7 @@ TEST(AlignmentCoverage, SweepWithIndependentNoise) {
 }
 
 // Five touches leave few residuals: there the expected noise helps. It is right here.
-TEST(AlignmentCoverage, FiveTouches) {
+TEST(AlignmentCoverage, FiveTouchErrorMatchesPrediction) {
   const base::Vec3 marks[] = {{0.0618, -0.0508, -0.07},
                               {0.052, 0.0608, -0.07},
                               {-0.0311, 0.0737, -0.07},
@@ -91,7 +91,7 @@ TEST(AlignmentCoverage, FiveTouches) {
 }
 
 // Noise that lasts: without the correlation the prediction would be several times too good.
-TEST(AlignmentCoverage, CorrelatedNoise) {
+TEST(AlignmentCoverage, PredictionAccountsForCorrelatedNoise) {
   Coverage coverage;
   double correlation = 0;
   for (unsigned seed = 0; seed < kFits; ++seed) {

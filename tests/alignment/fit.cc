@@ -41,7 +41,7 @@ void ExpectHas(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << part << " not in: " << text;
 }
 
-TEST(AlignmentFit, ExactTouchesGiveTheExactPlace) {
+TEST(AlignmentFit, NoiseFreeTouchesRecoverTheExactPlacement) {
   for (unsigned seed = 0; seed < 60; ++seed) {
     AlignmentScenario story(seed);
     const bool level = seed % 2 == 0;
@@ -99,7 +99,7 @@ TEST(AlignmentFit, TimeOffsetIsFound) {
   EXPECT_GT(without->rms_m, 1e-3) << "the offset would be seen as noise";
 }
 
-TEST(AlignmentFit, OneWrongTouchOfFiveIsNamed) {
+TEST(AlignmentFit, OneWrongTouchOfFiveIsIdentified) {
   int named = 0, others = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {
     AlignmentScenario story(seed);
@@ -123,7 +123,7 @@ TEST(AlignmentFit, OneWrongTouchOfFiveIsNamed) {
   EXPECT_LE(others, 4);
 }
 
-TEST(AlignmentFit, SoundTouchesAreNotCalledWrong) {
+TEST(AlignmentFit, GoodTouchesAreNotFlaggedAsWrong) {
   int wrong = 0;
   for (unsigned seed = 0; seed < 300; ++seed) {
     AlignmentScenario story(seed);
@@ -134,7 +134,7 @@ TEST(AlignmentFit, SoundTouchesAreNotCalledWrong) {
   EXPECT_LE(wrong, 3);
 }
 
-TEST(AlignmentFit, AWrongOrderFitsNoBase) {
+TEST(AlignmentFit, TouchesInTheWrongOrderAreRejected) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     AlignmentScenario story(seed);
     std::vector<Sample> samples = Touches(story, story.LevelBase(), 1e-3);
@@ -190,7 +190,7 @@ TEST(AlignmentPivot, FindsTheTip) {
             1e-3);
 }
 
-TEST(AlignmentPivot, RefusesWhatTellsNothing) {
+TEST(AlignmentPivot, RejectsUninformativePoses) {
   AlignmentScenario story(5);
   std::vector<Rigid> still(100, story.At({}, {}, kTip, 0, 0).controller_space);
   ExpectHas(SolvePivot(still).error(), "turned too little");
@@ -207,7 +207,7 @@ TEST(AlignmentPivot, RefusesWhatTellsNothing) {
   ExpectHas(SolvePivot(slipping).error(), "press it into the dimple");
 }
 
-TEST(AlignmentDwell, FindsRestsAndNotMotion) {
+TEST(AlignmentDwell, DetectsRestsButNotMotion) {
   DwellDetector dwell;
   std::vector<base::Vec3> rests;
   double t = 0;

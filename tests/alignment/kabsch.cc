@@ -36,7 +36,7 @@ TEST(AlignmentKabsch, FourDofFindsLevelPlacementsFromTwoPoints) {
 }
 
 // Points in a plane, mirrored by noise: without the guard the determinant is -1.
-TEST(AlignmentKabsch, NeverAReflection) {
+TEST(AlignmentKabsch, SixDofNeverReturnsAReflection) {
   for (unsigned seed = 0; seed < 300; ++seed) {
     test::AlignmentScenario story(seed);
     std::vector<PointPair> pairs = Pairs(story, story.AnyBase(), 4);
@@ -47,7 +47,7 @@ TEST(AlignmentKabsch, NeverAReflection) {
   }
 }
 
-TEST(AlignmentKabsch, AHeavyPointCountsMore) {
+TEST(AlignmentKabsch, HeavierPointsHaveMoreInfluence) {
   test::AlignmentScenario story(4);
   const Rigid truth = story.AnyBase();
   std::vector<PointPair> pairs = Pairs(story, truth, 6);
@@ -59,7 +59,7 @@ TEST(AlignmentKabsch, AHeavyPointCountsMore) {
 }
 
 // The level fit is the best yaw: turning it either way makes the residual larger.
-TEST(AlignmentKabsch, FourDofIsTheLeastSquaresYaw) {
+TEST(AlignmentKabsch, FourDofMinimisesTheYawResidual) {
   for (unsigned seed = 0; seed < 100; ++seed) {
     test::AlignmentScenario story(seed);
     std::vector<PointPair> pairs = Pairs(story, story.LevelBase(), 5);

@@ -36,7 +36,7 @@ std::vector<std::string> PlainReadsIn(const std::string& folder, int& files) {
   return found;
 }
 
-TEST(Environment, LayerAndClientsReadItBySecureGetenvOnly) {
+TEST(Environment, LayerAndClientsUseOnlySecureGetenv) {
   int files = 0;
   for (const char* folder : {"layer/src", "layer/include", "service/client", "service/protocol"}) {
     const std::vector<std::string> found = PlainReadsIn(folder, files);
@@ -45,7 +45,7 @@ TEST(Environment, LayerAndClientsReadItBySecureGetenvOnly) {
   EXPECT_GT(files, 100) << "the sources were found";
 }
 
-TEST(Environment, TheScanKnowsPlainReads) {
+TEST(Environment, ScannerDetectsPlainGetenv) {
   for (const char* line :
        {"std::getenv(\"X\")", "  getenv(\"X\");", "x = ::getenv (name)", "for (char** e = environ; *e;)"})
     EXPECT_TRUE(ReadsPlainEnvironment(line)) << line;

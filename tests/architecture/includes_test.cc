@@ -43,7 +43,7 @@ TEST(Includes, ClientsNeedTheStandardLibraryOnly) {
   }
 }
 
-TEST(Includes, APackageThatClientsWouldNeedIsCaught) {
+TEST(Includes, FindsTransitiveThirdPartyIncludes) {
   SourceTree tree;
   tree["service/base/eigen.h"] = "#include <Eigen/Core>\n";
   tree["service/base/near.h"] = "#include \"service/base/eigen.h\"\n";
@@ -54,7 +54,7 @@ TEST(Includes, APackageThatClientsWouldNeedIsCaught) {
 }
 
 // A planted violation of each row: every module that the row does not name is refused.
-TEST(Includes, PlantedViolationOfEachRowIsCaught) {
+TEST(Includes, DetectsForbiddenIncludeForEachModule) {
   for (const Rule& rule : Rules()) {
     int planted = 0;
     for (const Rule& target : Rules()) {
@@ -70,7 +70,7 @@ TEST(Includes, PlantedViolationOfEachRowIsCaught) {
   }
 }
 
-TEST(Includes, AllowedIncludesOfEachRowPass) {
+TEST(Includes, AcceptsAllowedIncludesForEachModule) {
   for (const Rule& rule : Rules()) {
     SourceTree tree;
     std::string text = "#include \"" + rule.module + "/own.h\"\n#include <vector>\n";
@@ -80,7 +80,7 @@ TEST(Includes, AllowedIncludesOfEachRowPass) {
   }
 }
 
-TEST(Includes, ConfinedHeadersAreCaughtElsewhere) {
+TEST(Includes, DetectsConfinedHeadersElsewhere) {
   for (const Confined& confined : ConfinedHeaders()) {
     SourceTree tree;
     tree["service/protocol/planted.h"] = "#include <" + confined.header_prefix + "x.h>\n";
@@ -106,16 +106,16 @@ std::string Including(const std::string& header) {
 }
 
 // It is an independent reference for our glTF reader; nothing else uses it.
-TEST(Includes, TinyGltfStandsInItsJudgeOnly) { EXPECT_EQ(Including("tiny_gltf.h"), "tests/scene/decode_judge.cc\n"); }
+TEST(Includes, OnlyDecodeJudgeIncludesTinyGltf) {
+  EXPECT_EQ(Including("tiny_gltf.h"), "tests/scene/decode_judge.cc\n");
+}
 
 // It takes seconds to compile.
-TEST(Includes, Cli11StandsBehindOurCommandLinesOnly) {
-  EXPECT_EQ(Including("CLI/CLI.hpp"), "service/console/command.cc\n");
-}
+TEST(Includes, OnlyConsoleCommandIncludesCli11) { EXPECT_EQ(Including("CLI/CLI.hpp"), "service/console/command.cc\n"); }
 
 // The libraries' parsers recurse, rescan and allocate without bounds, so their input is checked first. The layer's
 // profiles are part of its library.
-TEST(Includes, ParsersOfLibrariesSeeOnlyBoundedText) {
+TEST(Includes, LibraryParsersReceiveOnlyCheckedText) {
   for (const auto& [path, text] : OurTree()) {
     if (path == "layer/src/actions/profile_json.cc") continue;
     const auto has = [&text = text](const char* word) { return text.find(word) != std::string::npos; };
@@ -125,7 +125,7 @@ TEST(Includes, ParsersOfLibrariesSeeOnlyBoundedText) {
   }
 }
 
-TEST(Includes, UnknownModuleAndTestsAreRefused) {
+TEST(Includes, RejectsUnknownModulesAndTestHeaders) {
   SourceTree tree;
   tree["service/new_module/a.h"] = "";
   tree["service/base/b.h"] = "#include \"tests/support/x.h\"\n";
@@ -141,7 +141,7 @@ TEST(Includes, CycleIsFound) {
 }
 
 // The table in docs/architecture.md is the one that is checked: each module has its row there.
-TEST(Includes, DocumentNamesEveryModule) {
+TEST(Includes, ArchitectureDocumentNamesEveryModule) {
   std::ifstream file(std::string(OMNI_SOURCE_DIR) + "/docs/architecture.md");
   std::ostringstream text;
   text << file.rdbuf();

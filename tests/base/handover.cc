@@ -33,7 +33,7 @@ TEST(Latest, ReaderSeesTheNewestAndKeepsIt) {
   EXPECT_EQ(latest.Read().a, 3U);
 }
 
-TEST(Latest, NeverTornNeverBack) {
+TEST(Latest, ValuesAreNeverTornOrOutOfOrder) {
   Latest<Pair> latest;
   constexpr std::uint64_t kWrites = 200'000;
   std::thread writer([&] {
@@ -50,7 +50,7 @@ TEST(Latest, NeverTornNeverBack) {
   writer.join();
 }
 
-TEST(SpscRing, RefusesWhenFullAndKeepsOrder) {
+TEST(SpscRing, RejectsPushWhenFullAndKeepsOrder) {
   SpscRing<int, 4> ring;
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(ring.TryPush(i));
   EXPECT_FALSE(ring.TryPush(4));
@@ -62,7 +62,7 @@ TEST(SpscRing, RefusesWhenFullAndKeepsOrder) {
   EXPECT_FALSE(ring.TryPop(value));
 }
 
-TEST(SpscRing, NothingIsLostBetweenThreads) {
+TEST(SpscRing, LosesNothingBetweenThreads) {
   auto ring = std::make_unique<SpscRing<int, 64>>();
   constexpr int kCount = 100'000;
   std::thread producer([&] {
@@ -92,7 +92,7 @@ TEST(FeasibleScale, ScalesToTheTightestLimit) {
   EXPECT_DOUBLE_EQ(FeasibleScale(Limit(15, 5, 10), {0, 0, -4}), 1.0);  // ... and adds it downwards
 }
 
-TEST(FeasibleScale, ZeroOnDoubt) {
+TEST(FeasibleScale, IsZeroForInvalidInput) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   ForceLimit invalid = Limit(15, 0, 2);
   invalid.valid = false;

@@ -56,7 +56,7 @@ TEST(JsonDocument, ReadsEveryKindOfValue) {
   EXPECT_EQ(root.Find("bigger")->number(), 18446744073709551616.0);
 }
 
-TEST(JsonDocument, WhatAValueIsNotReadsAsNothing) {
+TEST(JsonDocument, AccessorsOfTheWrongKindReturnNothing) {
   const JsonDocument document = Parsed(R"({"text": "x", "list": [1]})");
   const JsonValue& text = *document.root().Find("text");
   EXPECT_TRUE(std::isnan(text.number()));
@@ -69,7 +69,7 @@ TEST(JsonDocument, WhatAValueIsNotReadsAsNothing) {
   EXPECT_TRUE(JsonDocument().root().is_null());
 }
 
-TEST(JsonDocument, LimitsAreNamed) {
+TEST(JsonDocument, ErrorsNameTheExceededLimit) {
   EXPECT_EQ(Refusal("[1, 2, 3]", {.bytes = 8}), "has 9 bytes of JSON, the limit is 8");
   EXPECT_EQ(Refusal("[1, 2, 3]", {.values = 3}), "has more than 3 JSON values, the limit");
   EXPECT_EQ(Refusal("[1, 2, 3]", {.values = 4}), "read");
@@ -82,7 +82,7 @@ TEST(JsonDocument, LimitsAreNamed) {
   EXPECT_EQ(Refusal(R"([{"a": 1}, {"a": 2}])"), "read");
 }
 
-TEST(JsonDocument, BadTextIsRefusedInFewWords) {
+TEST(JsonDocument, RejectsBadTextWithShortPrintableError) {
   const std::string digits(1'000'000, '9');
   for (const std::string& text :
        {std::string(), std::string("{"), std::string("[1,]"), std::string("{\"a\" 1}"), std::string("[1] 2"),
@@ -179,7 +179,7 @@ class RandomText {
 };
 
 // OMNI_FUZZ: how many texts.
-TEST(JsonDocument, ReadsAndRefusesWhatNlohmannJsonDoes) {
+TEST(JsonDocument, AgreesWithNlohmannJson) {
   const char* many = std::getenv("OMNI_FUZZ");
   const std::size_t count = many != nullptr ? std::stoul(many) : 20'000;
   RandomText random(4);

@@ -38,7 +38,7 @@ TEST(MaterialFields, DefaultsAreInRange) {
 }
 
 // Each row writes a member of its own, and reads what it wrote.
-TEST(MaterialFields, EachRowHasAMemberOfItsOwn) {
+TEST(MaterialFields, EachRowAccessesADistinctMember) {
   Material material;
   for (std::size_t i = 0; i < kMaterialFields.size(); ++i)
     kMaterialFields[i].Set(material, ValueFor(kMaterialFields[i], i));
@@ -47,7 +47,7 @@ TEST(MaterialFields, EachRowHasAMemberOfItsOwn) {
 }
 
 // Messages and the layer depend on the order.
-TEST(MaterialFields, ParametersStandInTheOrderOfTheLiveRows) {
+TEST(MaterialFields, ParametersFollowTheOrderOfLiveRows) {
   std::array<double, kLiveMaterialFields> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = 1.0 + static_cast<double>(i);
   MaterialParameters parameters;
@@ -57,7 +57,7 @@ TEST(MaterialFields, ParametersStandInTheOrderOfTheLiveRows) {
     EXPECT_EQ(parameters.*kLiveFields[i]->live, numbers[i]) << kLiveFields[i]->key;
 }
 
-TEST(MaterialFields, ParametersOfAMaterialAreItsLiveNumbers) {
+TEST(MaterialFields, ParametersOfReturnsTheLiveNumbers) {
   Material material;
   for (std::size_t i = 0; i < kMaterialFields.size(); ++i)
     kMaterialFields[i].Set(material, ValueFor(kMaterialFields[i], i));
@@ -74,7 +74,7 @@ TEST(MaterialFields, ClampedIsAlwaysInRange) {
   }
 }
 
-TEST(MaterialFields, AValueOutOfRangeIsFound) {
+TEST(MaterialFields, FieldOutOfRangeFindsTheField) {
   for (std::size_t i = 0; i < kLiveMaterialFields; ++i) {
     for (const double x : {kLiveFields[i]->minimum - 0.01, kLiveFields[i]->maximum * 1.01, std::nan("")}) {
       MaterialParameters parameters;

@@ -30,14 +30,14 @@ TEST(ReadFile, ReadsARegularFileWithinTheLimit) {
 }
 
 // Kernel files report a size of zero.
-TEST(ReadFile, ReadsAFileWhoseSizeIsNotKnown) {
+TEST(ReadFile, ReadsProcFilesWithUnknownSize) {
   const Result<std::string> text = ReadFile("/proc/self/status", 1 << 16);
   ASSERT_TRUE(text.ok()) << text.error();
   EXPECT_GT(text->size(), 500U);
   ExpectRefused("/proc/self/status", 100, "is longer than 100 bytes");
 }
 
-TEST(ReadFile, RefusesWhatIsNoFileWithoutWaiting) {
+TEST(ReadFile, RejectsNonRegularFilesWithoutBlocking) {
   const test::TempFolder folder;
   ASSERT_EQ(mkfifo(folder.Path("pipe").c_str(), 0600), 0);
   ExpectRefused(folder.Path("pipe"), 10, "is not a regular file");

@@ -12,7 +12,7 @@ namespace test_base_stamp {
 constexpr std::int64_t kLowest = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t kHighest = std::numeric_limits<std::int64_t>::max();
 
-TEST(Stamp, IsExactWhereItFitsAndSaturatesElsewhere) {
+TEST(Stamp, DifferencesAndSumsAreExactOrSaturate) {
   std::mt19937_64 random(20);
   for (int i = 0; i < 100000; ++i) {
     const auto a = static_cast<std::int64_t>(random()) >> (random() % 64);

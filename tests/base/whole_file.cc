@@ -89,7 +89,7 @@ class WholeFileTest : public testing::Test {
   std::string path_;
 };
 
-TEST_F(WholeFileTest, ReplacesInOneStepAndLeavesNothingUnfinished) {
+TEST_F(WholeFileTest, ReplacesContentAndLeavesNoTemporaryFile) {
   ASSERT_EQ(PutWholeFile(path_, {"one ", "and ", "two"}), 0);
   EXPECT_EQ(ContentOf(path_), "one and two");
   ASSERT_EQ(PutWholeFile(path_, {kNew}), 0);
@@ -100,7 +100,7 @@ TEST_F(WholeFileTest, ReplacesInOneStepAndLeavesNothingUnfinished) {
 }
 
 // Protects against power cuts: content before name, name before success.
-TEST_F(WholeFileTest, SyncsTheFileBeforeTheStepAndTheFolderAfterIt) {
+TEST_F(WholeFileTest, SyncsFileBeforeAndFolderAfterRename) {
   std::vector<std::uint64_t> order;
   const int result = Put([&](const SystemCall& call) {
     if (IsOneOf(call.number, {SYS_write, SYS_fsync, SYS_rename, SYS_renameat, SYS_renameat2})) {
@@ -113,7 +113,7 @@ TEST_F(WholeFileTest, SyncsTheFileBeforeTheStepAndTheFolderAfterIt) {
   EXPECT_EQ(order, (std::vector<std::uint64_t>{SYS_write, SYS_fsync, SYS_rename, SYS_fsync}));
 }
 
-TEST_F(WholeFileTest, KilledAtAnySystemCallItIsOldOrNew) {
+TEST_F(WholeFileTest, HasOldOrNewContentWhenKilledAtAnySystemCall) {
   int killed = 0, old = 0;
   for (int last = 0;; ++last) {
     int count = 0;
@@ -133,7 +133,7 @@ TEST_F(WholeFileTest, KilledAtAnySystemCallItIsOldOrNew) {
               killed, old, killed - old);
 }
 
-TEST_F(WholeFileTest, WhateverFailsTheOldFileStaysAlone) {
+TEST_F(WholeFileTest, KeepsOldFileWhenAnySystemCallFails) {
   int failures = 0;
   std::set<int> errors;
   for (const int error : {ENOSPC, EDQUOT, EROFS, EACCES, EIO}) {
@@ -163,7 +163,7 @@ TEST_F(WholeFileTest, WhateverFailsTheOldFileStaysAlone) {
   EXPECT_GE(failures, 20) << "opening, writing, syncing and the step, with each error";
 }
 
-TEST_F(WholeFileTest, AFileThatGrowsTooLargeIsRefusedPartWay) {
+TEST_F(WholeFileTest, KeepsOldFileWhenSizeLimitIsExceeded) {
   folder_.Write("d/settings.toml", kOld);
   const int result = InChild([this] {
     const rlimit small{.rlim_cur = 64'000, .rlim_max = 64'000};
@@ -179,7 +179,7 @@ TEST_F(WholeFileTest, AFileThatGrowsTooLargeIsRefusedPartWay) {
 // A file system of 64 kB, first full, then read-only. What the child returns: errno, or one of these.
 constexpr int kNoMount = 250, kNotOld = 251, kUnfinishedLeft = 252;
 
-TEST_F(WholeFileTest, AFullDiskAndAReadOnlyOneGiveDifferentErrors) {
+TEST_F(WholeFileTest, DistinguishesFullAndReadOnlyDisk) {
   const std::string disk = folder_.Path("d");
   const auto on_small_disk = [&](bool read_only) {
     return InChild([&, read_only] {
@@ -199,7 +199,7 @@ TEST_F(WholeFileTest, AFullDiskAndAReadOnlyOneGiveDifferentErrors) {
   EXPECT_EQ(read_only, EROFS);
 }
 
-TEST_F(WholeFileTest, AFolderOfOthersIsAMatterOfPermission) {
+TEST_F(WholeFileTest, ReportsMissingFolderPermission) {
   folder_.Write("d/settings.toml", kOld);
   fs::permissions(folder_.Path("d"), fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_exec);
   fs::permissions(folder_.Path(), fs::perms::owner_all | fs::perms::others_exec);
@@ -244,7 +244,7 @@ TEST_F(WholeFileTest, KeepsTheModeOfWhatItReplaces) {
   EXPECT_EQ(ModeOf(path_), 0640U);
 }
 
-TEST_F(WholeFileTest, ALinkIsReplacedAndWhatItLeadsToIsNotWritten) {
+TEST_F(WholeFileTest, ReplacesSymlinkWithoutWritingItsTarget) {
   const std::string victim = folder_.Write("victim", "precious");
   for (const std::string& target : {victim, std::string("nowhere")}) {
     fs::remove(path_);
@@ -258,7 +258,7 @@ TEST_F(WholeFileTest, ALinkIsReplacedAndWhatItLeadsToIsNotWritten) {
 }
 
 // Run as root, `-o /dev/null` would otherwise turn that into a file.
-TEST_F(WholeFileTest, WhatIsNoRegularFileStays) {
+TEST_F(WholeFileTest, RefusesToReplaceNonRegularFiles) {
   ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
   EXPECT_EQ(PutWholeFile(path_, {"x"}), EINVAL);
   fs::remove(path_);
@@ -269,7 +269,7 @@ TEST_F(WholeFileTest, WhatIsNoRegularFileStays) {
   EXPECT_EQ(FilesIn(folder_.Path("d")), 1U);
 }
 
-TEST_F(WholeFileTest, DoesNotReplaceUnasked) {
+TEST_F(WholeFileTest, DoesNotReplaceWithoutOption) {
   ASSERT_EQ(PutWholeFile(path_, {kOld}, {.replace = false}), 0);
   EXPECT_EQ(PutWholeFile(path_, {kNew}, {.replace = false}), EEXIST);
   EXPECT_EQ(ContentOf(path_), kOld);
@@ -284,7 +284,7 @@ TEST_F(WholeFileTest, MakesFoldersOnlyWhenAsked) {
   EXPECT_EQ(PutWholeFile(deep + "/d.toml", {"x"}, {.make_folder = true}), ENOTDIR);
 }
 
-TEST_F(WholeFileTest, TryingLeavesNoTrace) {
+TEST_F(WholeFileTest, TryWholeFileLeavesNoFile) {
   EXPECT_EQ(TryWholeFile(path_), 0);
   EXPECT_EQ(FilesIn(folder_.Path("d")), 0U);
   folder_.Write("d/settings.toml", kOld);

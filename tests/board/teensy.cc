@@ -65,7 +65,7 @@ firmware::Outputs Driving(std::int16_t duty) {
   return outputs;
 }
 
-TEST(TeensyPwm, DutyBecomesTicks) {
+TEST(TeensyPwm, DutyMapsToPwmTicks) {
   EXPECT_EQ(kPwmTicks, 7500) << "150 MHz / 20 kHz";
   EXPECT_EQ(PwmHighTicks(0), 0);
   EXPECT_EQ(PwmHighTicks(kDutyFull), kPwmTicks);
@@ -76,7 +76,7 @@ TEST(TeensyPwm, DutyBecomesTicks) {
   }
 }
 
-TEST_F(TeensyBoard, PinsRestBeforeAndAfterTheirFunctionsAreSet) {
+TEST_F(TeensyBoard, SetUpPinsAppliesThePinTableWithOutputsAtRest) {
   SetUpPins();
   for (const Pin& pin : kPins) {
     const std::uint32_t mux = kIomuxBase + static_cast<std::uint32_t>(pin.pad);
@@ -87,7 +87,7 @@ TEST_F(TeensyBoard, PinsRestBeforeAndAfterTheirFunctionsAreSet) {
   }
 }
 
-TEST_F(TeensyBoard, StartsAsleepAndBraking) {
+TEST_F(TeensyBoard, StartsWithBridgesAsleepAndBraking) {
   Start();
   for (int k = 0; k < kBridges; ++k) EXPECT_EQ(chip_.HighTicks(k), 0);
   for (const Signal awake : {Signal::kBridgeAwake0, Signal::kBridgeAwake1, Signal::kBridgeAwake2}) {
@@ -101,7 +101,7 @@ TEST_F(TeensyBoard, StartsAsleepAndBraking) {
   EXPECT_EQ(chip_.spi_unselected, 0);
 }
 
-TEST_F(TeensyBoard, TellsTheCoreWhatTheChipsSay) {
+TEST_F(TeensyBoard, ReportsChipReadingsToTheCore) {
   for (int i = 0; i < 8; ++i) chip_.halls[i].set_field_G({0.1 * (i + 1), -1, 2});
   for (int k = 0; k < 3; ++k) chip_.currents[k].set_current_A(2.0 - 2 * k);
   Start();
@@ -126,7 +126,7 @@ TEST_F(TeensyBoard, TellsTheCoreWhatTheChipsSay) {
   EXPECT_EQ(chip_.spi_unselected, 0);
 }
 
-TEST_F(TeensyBoard, CountsEachSampleOnce) {
+TEST_F(TeensyBoard, MarksEachHallSampleFreshOnce) {
   Start();
   Steps(8, {});
   int fresh[8] = {};
@@ -159,7 +159,7 @@ TEST_F(TeensyBoard, DrivesAfterWakingAndBrakesBeforeSleep) {
   EXPECT_NEAR(steps * kStep_us, 10'000, 2 * kStep_us) << "brake before sleep";
 }
 
-TEST_F(TeensyBoard, FaultLineBrakesAllInHardwareAndIsTold) {
+TEST_F(TeensyBoard, FaultLineBrakesAllBridgesInHardwareAndIsReported) {
   Start();
   Steps(30, Driving(16384));
   chip_.coil_line_low[1] = true;
@@ -175,7 +175,7 @@ TEST_F(TeensyBoard, FaultLineBrakesAllInHardwareAndIsTold) {
   EXPECT_EQ(Step({}).driver_fault, 0) << "cleared once the core has stopped driving";
 }
 
-TEST_F(TeensyBoard, EmergencyStopBrakesInHardwareAndIsTold) {
+TEST_F(TeensyBoard, EmergencyStopBrakesInHardwareAndIsReported) {
   Start();
   EXPECT_EQ(Steps(30, Driving(8000)).emergency_stop, 0);
   chip_.switch_open = true;
@@ -186,7 +186,7 @@ TEST_F(TeensyBoard, EmergencyStopBrakesInHardwareAndIsTold) {
   EXPECT_EQ(Steps(3, {}).emergency_stop, 0);
 }
 
-TEST_F(TeensyBoard, MissingChipsAreNamedAndComeBack) {
+TEST_F(TeensyBoard, ReportsMissingChipsAndStartsThemLater) {
   chip_.hall_there[3] = false;
   chip_.current_there[1] = false;
   Start();
@@ -202,7 +202,7 @@ TEST_F(TeensyBoard, MissingChipsAreNamedAndComeBack) {
   EXPECT_EQ(inputs_.current_answers, 7);
 }
 
-TEST_F(TeensyBoard, OneDeadCurrentSensorDoesNotSilenceTheOthers) {
+TEST_F(TeensyBoard, DeadCurrentSensorDoesNotAffectTheOthers) {
   Start();
   Steps(10, {});
   for (int dead = 0; dead < 4; ++dead) {
@@ -217,7 +217,7 @@ TEST_F(TeensyBoard, OneDeadCurrentSensorDoesNotSilenceTheOthers) {
   EXPECT_EQ(chip_.i2c_overfilled, 0);
 }
 
-TEST_F(TeensyBoard, HeldI2cLineEndsByItself) {
+TEST_F(TeensyBoard, RecoversAfterAHeldI2cLineIsReleased) {
   Start();
   Steps(10, {});
   chip_.i2c_line_held = true;
@@ -244,7 +244,7 @@ TEST_F(TeensyBoard, AlertFollowsTheSignOfTheCurrent) {
   EXPECT_FALSE(chip_.currents[0].alert_is_low());
 }
 
-TEST_F(TeensyBoard, ChipThatForgetsIsNotBelievedUntilSetAgain) {
+TEST_F(TeensyBoard, PowerCycledCurrentSensorIsInvalidUntilReconfigured) {
   Start();
   Steps(10, {});
   chip_.currents[2].PowerCycle();
@@ -262,7 +262,7 @@ TEST_F(TeensyBoard, ChipThatForgetsIsNotBelievedUntilSetAgain) {
   EXPECT_EQ(chip_.currents[2].reg(0x06) & 0x8001, 0x8001);
 }
 
-TEST_F(TeensyBoard, TestFieldGoesOnChipByChip) {
+TEST_F(TeensyBoard, HallSelfTestReachesAllChipsWithinEightSteps) {
   Start();
   Steps(8, {});
   firmware::Outputs test;
@@ -273,7 +273,7 @@ TEST_F(TeensyBoard, TestFieldGoesOnChipByChip) {
   for (const auto& hall : chip_.halls) EXPECT_EQ(hall.reg(0x20) & 1, 0);
 }
 
-TEST_F(TeensyBoard, TimeDoesNotJumpWhenItsCounterWraps) {
+TEST_F(TeensyBoard, TimeIsContinuousAcrossCounterWrap) {
   Start();
   Steps(30, Driving(8000));
   const double wrap_us = 4294967296.0;
@@ -288,7 +288,7 @@ TEST_F(TeensyBoard, TimeDoesNotJumpWhenItsCounterWraps) {
   EXPECT_EQ(chip_.HighTicks(0), PwmHighTicks(8000)) << "and the bridges are unaffected";
 }
 
-TEST_F(TeensyBoard, WatchdogIsFedOnlyWhenTheCoreSaysSo) {
+TEST_F(TeensyBoard, FeedsWatchdogOnlyWhenTheCoreRequestsIt) {
   Start();
   StartWatchdog();
   EXPECT_EQ(chip_.Held(0x400BC008), 262U) << "8 ms of 32.768 kHz";
@@ -302,7 +302,7 @@ TEST_F(TeensyBoard, WatchdogIsFedOnlyWhenTheCoreSaysSo) {
 }
 
 // The core itself on this board, with coils, a fan and the noise of real sensors: it must find everything in order.
-TEST_F(TeensyBoard, CorePassesItsSelfTestOnIt) {
+TEST_F(TeensyBoard, CorePassesSelfTestOnThisBoard) {
   constexpr double kSupply_V = 12, kStep_s = kStep_us * 1e-6, kNoise_G = 0.01;
   constexpr int kFanEdgeSteps = 40;  // 3000 turns a minute, two edges each
   double current_A[3] = {};
@@ -340,7 +340,7 @@ TEST_F(TeensyBoard, CorePassesItsSelfTestOnIt) {
 }
 
 // Without supply nothing is driven, but the core runs, reports faults and feeds the watchdog: no endless resets.
-TEST_F(TeensyBoard, BareBoardRunsAndSaysWhatIsMissing) {
+TEST_F(TeensyBoard, BareBoardReportsFaultsAndKeepsFeedingTheWatchdog) {
   for (bool& there : chip_.hall_there) there = false;
   for (bool& there : chip_.current_there) there = false;
   Start();

@@ -40,7 +40,7 @@ ToolFrame ToFrame(const sim::MagnetPose& pose) {
   return MakeToolFrame(base::ToEigen(pose.centre_base_m), base::ToEigen(pose.axis_base));
 }
 
-TEST(CalibrationDerivatives, FieldEqualsTheTrackersAndFollowsPoseAndSensor) {
+TEST(CalibrationDerivatives, FieldMatchesTrackerAndFiniteDifferences) {
   const base::Calibration nominal = magnetics::NominalCalibration(support::NominalDevice());
   const tracker::Model model = tracker::MakeModel(nominal);
   const auto unit = magnetics::MakeDiscMagnet(nominal.magnet, 1);
@@ -78,7 +78,7 @@ TEST(CalibrationDerivatives, FieldEqualsTheTrackersAndFollowsPoseAndSensor) {
   }
 }
 
-TEST(CalibrationDerivatives, GapEqualsTheTrackersAndFollowsThePose) {
+TEST(CalibrationDerivatives, GapMatchesTrackerAndFiniteDifferences) {
   const base::MagnetGeometry magnet = support::NominalDevice().magnet;
   const sim::Rig rig(support::NominalDevice(), {});
   sim::Random random(12);
@@ -119,7 +119,7 @@ struct Small {
   }
 };
 
-TEST(CalibrationDerivatives, GradientOfTheCostByEveryUnknown) {
+TEST(CalibrationDerivatives, CostGradientMatchesFiniteDifferences) {
   const Small small(5);
   Problem problem(small.nominal, small.device.coils, small.recording, small.tolerances);
   Parameters parameters(problem.nominal(), small.tolerances);
@@ -158,7 +158,7 @@ TEST(CalibrationDerivatives, GradientOfTheCostByEveryUnknown) {
   }
 }
 
-TEST(CalibrationDerivatives, EliminationEqualsTheDenseSolution) {
+TEST(CalibrationDerivatives, EliminationMatchesTheDenseSolution) {
   const Small small(6);
   const Problem problem(small.nominal, small.device.coils, small.recording, small.tolerances);
   const Parameters parameters(problem.nominal(), small.tolerances);

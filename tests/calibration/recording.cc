@@ -32,7 +32,7 @@ base::HallScan WaveScan(int tick, sim::Random& random) {
   return scan;
 }
 
-TEST(CalibrationRecording, AWindowReadsAllSensorsAtOneInstant) {
+TEST(CalibrationRecording, WindowInterpolatesAllSensorsToOneInstant) {
   Window window({}, kNoise_T);
   sim::Random random(3);
   double square = 0;
@@ -54,7 +54,7 @@ TEST(CalibrationRecording, AWindowReadsAllSensorsAtOneInstant) {
   EXPECT_NEAR(square / count, 1, 0.15);
 }
 
-TEST(CalibrationRecording, JerksAndBrokenAxesDoNotPass) {
+TEST(CalibrationRecording, JerkyWindowsAreDroppedAndInvalidAxesBecomeNaN) {
   Window window({}, kNoise_T);
   sim::Random random(4);
   for (int tick = 0; tick < 24; ++tick) {
@@ -75,7 +75,7 @@ TEST(CalibrationRecording, JerksAndBrokenAxesDoNotPass) {
   }
 }
 
-TEST(CalibrationRecording, ATouchIsARestAtANewPlace) {
+TEST(CalibrationRecording, RestAtANewPlaceCountsAsOneTouch) {
   TouchPicker picker;
   const auto rest = [](double place, bool still) {
     WindowResult window;
@@ -106,7 +106,7 @@ TEST(CalibrationRecording, ATouchIsARestAtANewPlace) {
   EXPECT_EQ(touches, 2);  // the same place
 }
 
-TEST(CalibrationRecording, SweepGivesTheMapsAndTheBackground) {
+TEST(CalibrationRecording, SweepYieldsCurrentMapsAndBackground) {
   sim::RigOptions options{.seed = 5, .noise = sim::NoiseMode::kLowPower};
   options.sizes.current_offset_A = 0;
   options.sizes.current_gain = 0;
@@ -136,7 +136,7 @@ TEST(CalibrationRecording, SweepGivesTheMapsAndTheBackground) {
   }
 }
 
-TEST(CalibrationRecording, SweepRefusesWhatTellsNothing) {
+TEST(CalibrationRecording, SweepRejectsMissingCurrentsAndReadings) {
   sim::Rig rig(support::NominalDevice(), {.seed = 5});
   sim::Random random(6);
   EXPECT_NE(CoilSweep().Finish().error().find("0 steady scans"), std::string::npos);
@@ -157,7 +157,7 @@ TEST(CalibrationRecording, SweepRefusesWhatTellsNothing) {
   EXPECT_NE(broken.Finish().error().find("sensor 2 gives nothing (not a number"), std::string::npos);
 }
 
-TEST(CalibrationRecording, SweepNamesASensorThatIsStuckOrSilent) {
+TEST(CalibrationRecording, SweepNamesAStuckOrSilentSensor) {
   sim::Rig rig(support::NominalDevice(), {.seed = 5});
   sim::Random random(6);
   CoilSweep stuck, silent;

@@ -53,7 +53,7 @@ bool Names(const std::vector<Undetermined>& unfixed, const std::string& part) {
                      [&](const Undetermined& one) { return one.name.find(part) != std::string::npos; });
 }
 
-TEST(CalibrationRecover, SensorsComeBackFromAlmostCleanReadings) {
+TEST(CalibrationRecover, RecoversSensorsFromNearlyNoiseFreeReadings) {
   const base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   for (const std::uint64_t seed : {21u, 22u}) {
@@ -77,7 +77,7 @@ TEST(CalibrationRecover, SensorsComeBackFromAlmostCleanReadings) {
 
 // The hull .3 mm larger and the core .5 mm off its centre: found from touches and current maps, without errors of
 // poses.
-TEST(CalibrationRecover, HullAndCoreAreWhereTheyAre) {
+TEST(CalibrationRecover, RecoversHullRadiusAndCoreCentre) {
   const base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   for (const std::uint64_t seed : {51u, 52u, 53u}) {
@@ -105,7 +105,7 @@ TEST(CalibrationRecover, HullAndCoreAreWhereTheyAre) {
   }
 }
 
-TEST(CalibrationRecover, NoisyReadingsFitAsTheyShould) {
+TEST(CalibrationRecover, NoisyReadingsGiveTheExpectedResiduals) {
   const base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   sim::Rig rig(device, Uncalibrated(31, sim::NoiseMode::kUltraHigh));
@@ -131,7 +131,7 @@ TEST(CalibrationRecover, NoisyReadingsFitAsTheyShould) {
 }
 
 // A recording whose gains are all larger and whose magnet is weaker by the same factor is the same recording.
-TEST(CalibrationRecover, GainScaleGoesToTheMoment) {
+TEST(CalibrationRecover, CommonGainScaleIsAbsorbedByTheMoment) {
   const base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   sim::Rig rig(device, Uncalibrated(41, sim::NoiseMode::kUltraHigh));
@@ -164,7 +164,7 @@ TEST(CalibrationRecover, CoilAxesFixTheRotationThatTouchesLeaveOpen) {
   EXPECT_GE(without->report.weak_directions, with->report.weak_directions);
 }
 
-TEST(CalibrationRecover, SaysWhatTheRecordingDidNotFix) {
+TEST(CalibrationRecover, ReportsParametersTheRecordingDidNotDetermine) {
   base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   sim::Rig rig(device, Uncalibrated(61, sim::NoiseMode::kUltraHigh));
@@ -185,7 +185,7 @@ TEST(CalibrationRecover, SaysWhatTheRecordingDidNotFix) {
   }
 }
 
-TEST(CalibrationRecover, WildSamplesAndFalseTouchesLoseTheirSay) {
+TEST(CalibrationRecover, OutliersAndFalseTouchesHaveLittleInfluence) {
   const base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   sim::Rig rig(device, Uncalibrated(71, sim::NoiseMode::kUltraHigh));
@@ -214,7 +214,7 @@ Recording WithRestsInTheAir(sim::Rig& rig, std::size_t of_five, std::uint64_t se
   return recording;
 }
 
-TEST(CalibrationRecover, RestsInTheAirAreNoTouches) {
+TEST(CalibrationRecover, RestsInTheAirAreNotCountedAsTouches) {
   const base::DeviceGeometry device = Device();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   for (const std::uint64_t seed : {73u, 74u, 75u}) {

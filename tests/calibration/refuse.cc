@@ -42,7 +42,7 @@ class CalibrationRefuse : public ::testing::Test {
   Recording recording_;
 };
 
-TEST_F(CalibrationRefuse, NothingIsWrongWithThisOne) {
+TEST_F(CalibrationRefuse, SoundRecordingIsAccepted) {
   const auto outcome = SelfCalibrate(nominal_, device_.coils, recording_);
   EXPECT_TRUE(outcome.ok()) << outcome.error();
 }
@@ -86,7 +86,7 @@ TEST_F(CalibrationRefuse, PenHeldStillOrOnOneSideOnly) {
   Expect(Why(), {"upper hemisphere", "on all sides"});
 }
 
-TEST_F(CalibrationRefuse, MagnetTheWrongWayRound) {
+TEST_F(CalibrationRefuse, ReversedMagnet) {
   for (Sample& sample : recording_.samples) {
     for (base::Vec3& B : sample.field_sensor_T) B = {-B.x, -B.y, -B.z};
   }
@@ -94,7 +94,7 @@ TEST_F(CalibrationRefuse, MagnetTheWrongWayRound) {
   Expect(Why(), {"wrong way round", "turn it over"});
 }
 
-TEST_F(CalibrationRefuse, AnotherMagnet) {
+TEST_F(CalibrationRefuse, MagnetWeakerThanInTheDeviceFile) {
   for (Sample& sample : recording_.samples) {
     for (base::Vec3& B : sample.field_sensor_T) B = {0.75 * B.x, 0.75 * B.y, 0.75 * B.z};
   }
@@ -108,7 +108,7 @@ TEST_F(CalibrationRefuse, SaturatedOrSilentSensors) {
   Expect(Why(), {"saturated or silent in 50 %", "at most 30 %"});
 }
 
-TEST_F(CalibrationRefuse, SecondMagnetSwappedSensorsWrongUnits) {
+TEST_F(CalibrationRefuse, SecondMagnetSwappedSensorsOrWrongUnits) {
   Recording original = recording_;
   sim::Random random(6);
   for (Sample& sample : recording_.samples) {  // another pen, elsewhere
@@ -130,7 +130,7 @@ TEST_F(CalibrationRefuse, SecondMagnetSwappedSensorsWrongUnits) {
   EXPECT_FALSE(Why().empty());
 }
 
-TEST_F(CalibrationRefuse, CoilWiredBackwardsWeakOrAMagnetAtRest) {
+TEST_F(CalibrationRefuse, ReversedOrWeakCoilMagnetAtRestOrMissingMap) {
   Recording original = recording_;
   for (CoilResponse& response : recording_.responses) {
     for (std::size_t row = 0; row < 3; ++row) response.map_sensor_T_A[3 * row + 1] *= -1;
@@ -149,7 +149,7 @@ TEST_F(CalibrationRefuse, CoilWiredBackwardsWeakOrAMagnetAtRest) {
   Expect(Why(), {"7 current maps for 8 sensors"});
 }
 
-TEST_F(CalibrationRefuse, SwappedSensorsAreNamedByTheirMaps) {
+TEST_F(CalibrationRefuse, SwappedSensorsAreIdentifiedByTheirCurrentMaps) {
   const Recording original = recording_;
   for (std::size_t a = 0; a < 8; ++a) {
     for (std::size_t b = a + 1; b < 8; ++b) {
@@ -161,7 +161,7 @@ TEST_F(CalibrationRefuse, SwappedSensorsAreNamedByTheirMaps) {
   }
 }
 
-TEST_F(CalibrationRefuse, WhatIsNoNumber) {
+TEST_F(CalibrationRefuse, NonFiniteOrMalformedSamples) {
   Recording original = recording_;
   recording_.samples[7].t_s = std::numeric_limits<double>::infinity();
   Expect(Why(), {"samples[7]", "not a number"});
@@ -179,7 +179,7 @@ TEST_F(CalibrationRefuse, WhatIsNoNumber) {
   Expect(Why(), {"sensor_noise_T"});
 }
 
-TEST_F(CalibrationRefuse, ASensorFarFromItsDrawing) {
+TEST_F(CalibrationRefuse, SensorFarFromItsNominalPosition) {
   recording_.responses.clear();
   nominal_.sensors[5].position_base_m.x += 8e-3;
   Expect(Why(), {"tolerances"});

@@ -24,7 +24,7 @@ base::Steel PlaneAt(double z_m, double strength) {
 }
 
 // Judged by the truth model: mirror images of charges, not of dipoles.
-TEST(CalibrationSteel, AnswerIsThatOfTheMirror) {
+TEST(CalibrationSteel, SteelResponseMatchesMirrorImages) {
   const base::DeviceGeometry device = support::NominalDevice();
   for (const double z_m : {-0.115, -0.2, -0.4}) {
     sim::RigOptions options;
@@ -57,7 +57,7 @@ TEST(CalibrationSteel, AnswerIsThatOfTheMirror) {
 
 // Subtracted for a pose half a millimetre and half a degree away from the pen's; the readings are the model's own,
 // without noise.
-TEST(CalibrationSteel, AnswerAtAnExpectedPoseIsCorrectedForThePoseThatIsFound) {
+TEST(CalibrationSteel, SteelResponseIsCorrectedForTheFoundPose) {
   base::Calibration calibration = magnetics::NominalCalibration(support::NominalDevice());
   calibration.steel = {1, -0.115};
   const tracker::Model model = tracker::MakeModel(calibration);
@@ -129,7 +129,7 @@ TEST(CalibrationSteel, PlaneUnderTheBaseIsFound) {
   }
 }
 
-TEST(CalibrationSteel, WithoutSteelThereIsNone) {
+TEST(CalibrationSteel, RarelyReportsSteelWithoutSteel) {
   const base::DeviceGeometry device = support::NominalDevice();
   const base::Calibration nominal = magnetics::NominalCalibration(device);
   int found = 0;
@@ -145,7 +145,7 @@ TEST(CalibrationSteel, WithoutSteelThereIsNone) {
 }
 
 // Every derivative of the steel's response against finite differences.
-TEST(CalibrationSteel, DerivativesAreThoseOfDifferences) {
+TEST(CalibrationSteel, DerivativesMatchFiniteDifferences) {
   const base::Calibration nominal = magnetics::NominalCalibration(support::NominalDevice());
   using Eigen::Vector3d;
   const magnetics::DiscMagnet unit = magnetics::MakeDiscMagnet(nominal.magnet, 1);

@@ -52,7 +52,7 @@ std::array<double, base::kCoilCount> ScaleErrors(std::uint64_t seed) {
   return errors;
 }
 
-TEST(CalibrationSweep, ACoreThatKeepsFieldDoesNotPassForAWeakerCoil) {
+TEST(CalibrationSweep, RemanentCoreIsNotMistakenForAWeakerCoil) {
   for (const std::uint64_t seed : {61, 62, 63}) {
     for (const double error : ScaleErrors(seed)) EXPECT_LT(std::abs(error), 1e-3) << seed;
   }

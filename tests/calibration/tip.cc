@@ -36,7 +36,7 @@ std::vector<PivotPose> Pivot(double tip_offset_m, double lean_rad, const std::fu
 
 Vector3d Dimple(double /*share*/) { return {0.01, -0.07, 0.02}; }
 
-TEST(CalibrationTip, IsFoundWhereverTheDimpleIs) {
+TEST(CalibrationTip, TipIsFoundForAnyDimplePosition) {
   for (std::uint32_t seed = 1; seed <= 100; ++seed) {
     const double true_m = kDrawn_m + 4e-3 * std::sin(seed);
     const Vector3d place(0.1 * std::sin(2.0 * seed), 0.1 * std::cos(3.0 * seed), 0.05);
@@ -51,7 +51,7 @@ TEST(CalibrationTip, IsFoundWhereverTheDimpleIs) {
 }
 
 // The mean of poses while the pen moves belongs to the same tip: p + d u = c is linear.
-TEST(CalibrationTip, MeansOfPosesDoAsWell) {
+TEST(CalibrationTip, AveragedPosesGiveTheSameTip) {
   const std::vector<PivotPose> poses = Pivot(0.0063, 0.6, Dimple, 5, 0);
   std::vector<PivotPose> means;
   for (std::size_t i = 0; i + 3 < poses.size(); i += 4) {
@@ -67,7 +67,7 @@ TEST(CalibrationTip, MeansOfPosesDoAsWell) {
   EXPECT_NEAR(tip->tip_offset_m, 0.0063, 1e-9);
 }
 
-TEST(CalibrationTip, RefusesWhatTellsNothing) {
+TEST(CalibrationTip, RejectsUnusablePivots) {
   const auto slides = [](double share) { return Vector3d(0.01 + 2e-3 * share, -0.07, 0.02); };
   const auto lifted = [](double share) { return Vector3d(0.01, -0.07, share > 0.8 ? 0.03 : 0.02); };
   const auto nowhere = [](double) { return Vector3d(std::nan(""), 0, 0); };

@@ -33,7 +33,7 @@ AlignmentFile Example() {
   return file;
 }
 
-TEST(ConfigAlignments, ComeBackToTheLastBit) {
+TEST(ConfigAlignments, WriteThenParseRoundTripsExactly) {
   const AlignmentFile written = Example();
   const auto read = ParseAlignments(WriteAlignments(written), "test.toml");
   ASSERT_TRUE(read.ok()) << read.error();
@@ -61,7 +61,7 @@ TEST(ConfigAlignments, ComeBackToTheLastBit) {
 }
 
 // Files from before the measured pose was stored: the present one is the best that is known of it.
-TEST(ConfigAlignments, WithoutAMeasuredPoseThePresentOneStandsForIt) {
+TEST(ConfigAlignments, MissingMeasuredPoseDefaultsToThePresentOne) {
   std::string text = WriteAlignments(Example());
   for (std::size_t at = text.find("\nmeasured_"); at != std::string::npos; at = text.find("\nmeasured_")) {
     text.erase(at, text.find('\n', at + 1) - at);
@@ -74,7 +74,7 @@ TEST(ConfigAlignments, WithoutAMeasuredPoseThePresentOneStandsForIt) {
   }
 }
 
-TEST(ConfigAlignments, HalfAMeasuredPoseIsRefused) {
+TEST(ConfigAlignments, RejectsIncompleteMeasuredPose) {
   std::string text = WriteAlignments(Example());
   const std::size_t at = text.find("\nmeasured_orientation_space_wxyz");
   text.erase(at, text.find('\n', at + 1) - at);
@@ -82,7 +82,7 @@ TEST(ConfigAlignments, HalfAMeasuredPoseIsRefused) {
             std::string::npos);
 }
 
-TEST(ConfigAlignments, AnEmptyFileIsNone) {
+TEST(ConfigAlignments, EmptyOrMissingFileHasNoAlignments) {
   const auto read = ParseAlignments("format = 1\n", "test.toml");
   ASSERT_TRUE(read.ok()) << read.error();
   EXPECT_TRUE(read->entries.empty());
@@ -91,7 +91,7 @@ TEST(ConfigAlignments, AnEmptyFileIsNone) {
 }
 
 // Any file is rejected with its name in the error, or every number is finite and in range.
-TEST(ConfigAlignments, MutationsAreRefusedOrSound) {
+TEST(ConfigAlignments, MutatedFilesAreRejectedOrInRange) {
   std::mt19937 random(3);
   const std::string good = WriteAlignments(Example());
   int refused = 0;
@@ -129,7 +129,7 @@ TEST(ConfigAlignments, MutationsAreRefusedOrSound) {
   EXPECT_LT(refused, 2950);
 }
 
-TEST(ConfigMarks, TheBuiltInOnesAreFiveAndUneven) {
+TEST(ConfigMarks, BuiltInMarksHaveNoRotationalSymmetry) {
   const auto& marks = DefaultMarks();
   ASSERT_EQ(marks.size(), 5U);
   // On the ring, and no rotation of the ring maps marks to marks: a wrong first mark is noticed.
@@ -149,7 +149,7 @@ TEST(ConfigMarks, TheBuiltInOnesAreFiveAndUneven) {
   }
 }
 
-TEST(ConfigMarks, MistakesAreNamed) {
+TEST(ConfigMarks, ErrorsNameMarkAndKey) {
   const auto error = [](const std::string& text) { return ParseMarks(text, "m.toml").error(); };
   const std::string two =
       "[[marks]]\nname=\"a\"\nposition_base_m=[0,0,0]\n[[marks]]\nname=\"b\"\nposition_base_m=[0,0.1,0]\n";

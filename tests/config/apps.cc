@@ -67,7 +67,7 @@ TEST(ConfigApps, ReadsEveryKey) {
   EXPECT_EQ(entry->force_scale, 0.5);
 }
 
-TEST(ConfigApps, WishesOfTheLayer) {
+TEST(ConfigApps, ReadsAndChecksLayerSettings) {
   const auto entry = ParseAppFile(
       Entry("a", "b", "profile = \"oculus/touch_controller\"\nhand = \"left\"\nrest_after_s = 2.5\n"), "f.toml", "/s");
   ASSERT_TRUE(entry.ok()) << entry.error();
@@ -89,7 +89,7 @@ TEST(ConfigApps, WishesOfTheLayer) {
   ExpectMentions(ErrorOf(Entry("a", "b", "rest_after_s = -2\n")), {"rest_after_s", "-1"});
 }
 
-TEST(ConfigApps, MistypedWordsNameTheNearest) {
+TEST(ConfigApps, SuggestsTheNearestWord) {
   ExpectMentions(ErrorOf(Entry("a", "b", "profile = \"oculus/tuoch_controller\"\n")),
                  {"not a profile of the pen", "valve/index_controller", "did you mean 'oculus/touch_controller'?"});
   ExpectMentions(ErrorOf(Entry("a", "b", "hand = \"rihgt\"\n")), {"did you mean 'right'?"});
@@ -97,13 +97,13 @@ TEST(ConfigApps, MistypedWordsNameTheNearest) {
   ExpectMentions(ErrorOf("application = \"a\"\n[inputs]\nselect = [\"pres\"]\n"), {"did you mean 'press'?"});
 }
 
-TEST(ConfigApps, AbsoluteScenesStay) {
+TEST(ConfigApps, AbsoluteScenePathsAreKept) {
   const auto entry = ParseAppFile(Entry("a", "/models/../cup.glb"), "f", "/scenes");
   ASSERT_TRUE(entry.ok());
   EXPECT_EQ(entry->scene, "/cup.glb");
 }
 
-TEST(ConfigApps, UserFilesWinThenNames) {
+TEST(ConfigApps, UserFilesTakePrecedenceThenNameOrder) {
   const test::TempFolder user;
   const test::TempFolder shipped;
   shipped.Write("10-a.toml", Entry("game*", "shipped10.glb"));
@@ -117,7 +117,7 @@ TEST(ConfigApps, UserFilesWinThenNames) {
   EXPECT_EQ(FindApp(table, "gamer")->scene, "/s/shipped05.glb");
 }
 
-TEST(ConfigApps, ABrokenFileIsSkippedAndNamedTheOthersLive) {
+TEST(ConfigApps, InvalidFileIsSkippedAndReported) {
   const test::TempFolder folder;
   folder.Write("10-good.toml", Entry("good", "good.glb"));
   folder.Write("20-broken.toml", "application = \n");
@@ -134,7 +134,7 @@ TEST(ConfigApps, ABrokenFileIsSkippedAndNamedTheOthersLive) {
   ExpectMentions(table.problems[1], {"30-wrong.toml:", "scale", "-1"});
 }
 
-TEST(ConfigApps, EachMistakeIsNamed) {
+TEST(ConfigApps, ErrorsNameFileKeyAndValue) {
   ExpectMentions(ErrorOf(""), {"test.toml", "application", "missing"});
   ExpectMentions(ErrorOf("scene = \"a.glb\"\n"), {"application", "missing"});
   ExpectMentions(ErrorOf("application = \"a\"\n"), {"scene", "missing"});
@@ -150,7 +150,7 @@ TEST(ConfigApps, EachMistakeIsNamed) {
   ExpectMentions(ErrorOf(Entry("a\\u0007", "b")), {"control characters"});
 }
 
-TEST(ConfigApps, TooManyFilesAreSaidSo) {
+TEST(ConfigApps, ReportsFilesBeyondTheLimit) {
   const test::TempFolder folder;
   for (std::size_t i = 0; i <= kMaxAppFiles; ++i) {
     folder.Write(std::to_string(1000 + i) + ".toml", Entry("a" + std::to_string(i), "b"));
@@ -161,7 +161,7 @@ TEST(ConfigApps, TooManyFilesAreSaidSo) {
   ExpectMentions(table.problems[0], {"257", "256", "1256.toml"});
 }
 
-TEST(ConfigPaths, DataFolderIsChosenOrBesideTheProgram) {
+TEST(ConfigPaths, DataFolderIsFromEnvironmentOrBesideTheProgram) {
   {
     const test::ScopedVariable chosen("OMNI_DATA_DIR", "/some/where");
     EXPECT_EQ(DataFolder(), "/some/where");

@@ -58,7 +58,7 @@ void ExpectError(const std::string& text, std::initializer_list<const char*> wor
     EXPECT_NE(array.error().find(word), std::string::npos) << word << ": " << array.error();
 }
 
-TEST(ConfigArray, ReadsEveryWayToPlaceASensor) {
+TEST(ConfigArray, ReadsEverySensorOrientationFormat) {
   const auto file = ParseArray(kFour, "test.toml");
   ASSERT_TRUE(file.ok()) << file.error();
   const base::Calibration& array = file->calibration;
@@ -111,7 +111,7 @@ TEST(ConfigArray, BodiesCoilsAndMapsAreOptional) {
   EXPECT_EQ(sphere->calibration.moment_Am2, 0);
 }
 
-TEST(ConfigArray, MistakesAreNamed) {
+TEST(ConfigArray, ErrorsNameKeyAndValue) {
   ExpectError(Changed("position_base_m = [0.6,", "position_base_m = [600,"), {"sensors[0].position_base_m[0]", "600"});
   ExpectError(Changed("radius_m = 0.005", "radius_m = 5"), {"magnet.radius_m", "5", "[0.0001, 0.2]"});
   ExpectError(Changed("moment_Am2 = 0.8", "moment_Am2 = nan"), {"moment_Am2", "nan"});
@@ -142,7 +142,7 @@ TEST(ConfigArray, MistakesAreNamed) {
   EXPECT_FALSE(IsArrayText("format = "));
 }
 
-TEST(ConfigArray, WrittenArraysReadBackTheSame) {
+TEST(ConfigArray, WriteThenParseRoundTrips) {
   auto file = ParseArray(std::string(kFour) + "[core]\ncore_radius_m = 0.015\ncore_kappa = 0.99\n", "t");
   ASSERT_TRUE(file.ok()) << file.error();
   base::Calibration& array = file->calibration;

@@ -74,7 +74,7 @@ void ExpectSane(const base::Calibration& array) {
   }
 }
 
-TEST(ConfigArrayMutations, FilesAreSaneOrRefused) {
+TEST(ConfigArrayMutations, MutatedFilesAreRejectedOrInRange) {
   const std::string good = GoodText();
   ASSERT_TRUE(ParseArray(good, "good").ok()) << ParseArray(good, "good").error();
   int accepted = 0, refused = 0;

@@ -44,7 +44,7 @@ void ExpectMentions(const std::string& error, std::initializer_list<const char*>
   for (const char* word : words) EXPECT_NE(error.find(word), std::string::npos) << word << " not in: " << error;
 }
 
-TEST(ConfigCalibration, ComesBackToTheLastBit) {
+TEST(ConfigCalibration, WriteThenParseRoundTripsExactly) {
   const base::DeviceGeometry device = NominalDevice();
   const CalibrationFile written = ExampleCalibration();
   const auto read = ParseCalibration(Text(), "test.toml", NominalBase());
@@ -81,7 +81,7 @@ CalibrationFile WithTip(double tip_offset_m) {
   return file;
 }
 
-TEST(ConfigCalibration, TheTipIsThePensOnceItWasMeasured) {
+TEST(ConfigCalibration, TipIsNominalUntilMeasured) {
   const double drawn_m = NominalDevice().magnet.tip_offset_m;
   const auto before = ParseCalibration(Text(), "test.toml", NominalBase());
   ASSERT_TRUE(before.ok()) << before.error();
@@ -97,7 +97,7 @@ TEST(ConfigCalibration, TheTipIsThePensOnceItWasMeasured) {
   }
 }
 
-TEST(ConfigCalibration, ATipIsChecked) {
+TEST(ConfigCalibration, RejectsImplausibleTip) {
   const auto error_of = [](const std::string& value, bool checksum) {
     std::string text = Written(WithTip(0.006));
     const std::size_t at = text.find("tip_offset_m"), sum = text.find("checksum");
@@ -114,7 +114,7 @@ TEST(ConfigCalibration, ATipIsChecked) {
   EXPECT_FALSE(SaveCalibrationFile(folder.Path("c.toml"), WithTip(0.02), NominalBase(), false).ok());
 }
 
-TEST(ConfigCalibration, BelongsToOneGeometryOneBaseAndOneFormat) {
+TEST(ConfigCalibration, RejectsOtherFormatBaseOrGeometry) {
   ExpectMentions(ErrorOf(Changed("format = 2", "format = 3")), {"test.toml", "format = 3", "omni calibrate"});
   ExpectMentions(ErrorOf(Text(), "twin-4"), {"serial", "twin-3", "twin-4", "omni calibrate"});
   ExpectedBase other = NominalBase();
@@ -124,7 +124,7 @@ TEST(ConfigCalibration, BelongsToOneGeometryOneBaseAndOneFormat) {
   ExpectMentions(parsed.error(), {"device_hash", "another geometry", "omni calibrate"});
 }
 
-TEST(ConfigCalibration, HashSeesWhatMattersOnly) {
+TEST(ConfigCalibration, GeometryHashCoversOnlyRelevantFields) {
   const base::DeviceGeometry device = NominalDevice();
   const std::uint64_t hash = GeometryHash(device);
   base::DeviceGeometry limits = device;
@@ -142,7 +142,7 @@ TEST(ConfigCalibration, HashSeesWhatMattersOnly) {
   EXPECT_NE(GeometryHash(coil), hash);
 }
 
-TEST(ConfigCalibration, RefusesWhatIsNoNumberOrOutOfRange) {
+TEST(ConfigCalibration, RejectsNonFiniteOrOutOfRangeValues) {
   ExpectMentions(ErrorOf(Changed("core_kappa = 0.97", "core_kappa = nan # 0.97")), {"core_kappa", "test.toml:"});
   ExpectMentions(ErrorOf(Changed("core_kept_A = 0.01", "core_kept_A = 0.7 # ")), {"core_kept_A", "[0, 0.1]"});
   ExpectMentions(ErrorOf(Changed("moment_Am2 = 5.", "moment_Am2 = 5e9 # ")), {"moment_Am2", "[0.001, 1000]"});
@@ -156,7 +156,7 @@ TEST(ConfigCalibration, RefusesWhatIsNoNumberOrOutOfRange) {
 }
 
 // With all gains negated a pen is still tracked, and the force makes it five times as fast.
-TEST(ConfigCalibration, RefusesWhatNoBaseOfThisDrawingCanBe) {
+TEST(ConfigCalibration, RejectsCalibrationsFarFromTheNominalGeometry) {
   using Change = std::function<void(base::Calibration&)>;
   const auto of_sensor = [](std::size_t i, const std::function<void(base::SensorCalibration&)>& change) {
     return [i, change](base::Calibration& c) { change(c.sensors[i]); };
@@ -215,7 +215,7 @@ TEST(ConfigCalibration, RefusesWhatNoBaseOfThisDrawingCanBe) {
 }
 
 // A steel top at 115 mm turns a coil's field at the sensors by up to 28 degrees (simulated).
-TEST(ConfigCalibration, SteelMayTurnTheCoilsFields) {
+TEST(ConfigCalibration, AllowsSteelToTurnTheCoilFields) {
   CalibrationFile file = ExampleCalibration();
   file.calibration = NominalBase().drawing;
   auto& map = file.calibration.sensors[6].current_map_T_A;
@@ -254,7 +254,7 @@ base::SensorCalibration Built(base::SensorCalibration sensor, double tolerances,
 
 // The tolerances of service/calibration/fit/options.h, up to the five of them at which `omni calibrate` itself gives
 // up.
-TEST(ConfigCalibration, AcceptsEveryBaseThatAWorkshopBuilds) {
+TEST(ConfigCalibration, AcceptsBasesWithinFiveTolerances) {
   std::mt19937 random(3);
   for (int i = 0; i < 300; ++i) {
     CalibrationFile file = ExampleCalibration();
@@ -268,7 +268,7 @@ TEST(ConfigCalibration, AcceptsEveryBaseThatAWorkshopBuilds) {
   }
 }
 
-TEST(ConfigCalibration, AWrongChecksumIsRefusedAndNoneIsNoted) {
+TEST(ConfigCalibration, RejectsWrongChecksumAndNotesMissingOne) {
   const std::string edited = Changed("core_kappa = 0.9765625", "core_kappa = 0.9765");
   ExpectMentions(ErrorOf(edited), {"test.toml:2", "checksum", "edited", "delete this line", "omni calibrate --restore",
                                    "omni calibrate --replace"});
@@ -288,7 +288,7 @@ TEST(ConfigCalibration, AWrongChecksumIsRefusedAndNoneIsNoted) {
   EXPECT_NE(deliberate.note.find("without a checksum"), std::string::npos);
 }
 
-TEST(ConfigCalibration, NamesOfAllKindsComeBack) {
+TEST(ConfigCalibration, SerialWithQuotesRoundTrips) {
   CalibrationFile file = ExampleCalibration();
   file.serial = "A \"quoted\" \\ serial";
   const auto parsed = ParseCalibration(Written(file), "test.toml", NominalBase(""));
@@ -296,7 +296,7 @@ TEST(ConfigCalibration, NamesOfAllKindsComeBack) {
   EXPECT_EQ(parsed->serial, file.serial);
 }
 
-TEST(ConfigCalibration, ProgramsTakeTheFileThatFitsAndSayWhyNot) {
+TEST(ConfigCalibration, ChoosesAMatchingFileOrReportsWhyNot) {
   const test::TempFolder folder;
   const std::string path = folder.Path("below/calibration.toml");
   const base::Status saved = SaveCalibrationFile(path, ExampleCalibration(), NominalBase(), false);
@@ -315,7 +315,7 @@ TEST(ConfigCalibration, ProgramsTakeTheFileThatFitsAndSayWhyNot) {
   ExpectMentions(missing.problem, {"none.toml", "cannot be read"});
 }
 
-TEST(ConfigCalibration, TheOneBeforeIsKeptAndComesBack) {
+TEST(ConfigCalibration, PreviousFileIsKeptAndCanBeRestored) {
   const test::TempFolder folder;
   const std::string path = folder.Path("calibration.toml"), previous = folder.Path("calibration.previous.toml");
   EXPECT_EQ(PreviousCalibration(path), previous);
@@ -345,7 +345,7 @@ TEST(ConfigCalibration, TheOneBeforeIsKeptAndComesBack) {
   EXPECT_EQ(dates(), std::pair(std::string("second"), std::string("first"))) << "and back again";
 }
 
-TEST(ConfigCalibration, ADamagedOneIsNotRestored) {
+TEST(ConfigCalibration, DamagedPreviousFileIsNotRestored) {
   const test::TempFolder folder;
   const std::string path = folder.Write("calibration.toml", Text());
   folder.Write("calibration.previous.toml", Changed("core_kappa = 0.9765625", "core_kappa = 0.9765"));
@@ -355,7 +355,7 @@ TEST(ConfigCalibration, ADamagedOneIsNotRestored) {
   EXPECT_EQ(ContentOf(path), Text());
 }
 
-TEST(ConfigCalibration, SaysWhereItCannotWrite) {
+TEST(ConfigCalibration, SaveErrorNamesTheFile) {
   const test::TempFolder folder;
   folder.Write("file", "x");
   const base::Status saved =

@@ -50,7 +50,7 @@ TEST(ConfigDevice, ReadsTheManifest) {
   EXPECT_DOUBLE_EQ(device->supply_V, 18);
 }
 
-TEST(ConfigDevice, HeatIsOptionalButThenComplete) {
+TEST(ConfigDevice, HeatTableIsOptionalButMustBeComplete) {
   const auto device = ParseDevice(Changed("body_J_K = 94.2", "body_J_K = 300"), "test.toml");
   ASSERT_TRUE(device.ok()) << device.error();
   EXPECT_DOUBLE_EQ(device->heat.body_J_K, 300);
@@ -78,20 +78,20 @@ TEST(ConfigDevice, BuiltInIsTheManifest) {
   }
 }
 
-TEST(ConfigDevice, OutOfRangeNamesFileLineKeyValueRange) {
+TEST(ConfigDevice, OutOfRangeErrorNamesFileLineKeyValueAndRange) {
   const std::string text = Changed("radius_m = 0.015 ", "radius_m = 15 ");  // millimetres
   ExpectMentions(ErrorOf(text), {"test.toml:", "magnet.radius_m", "15", "[0.001, 0.05]"});
   ExpectMentions(ErrorOf(text), {(":" + std::to_string(LineOf(text, "radius_m = 15")) + ":").c_str()});
 }
 
-TEST(ConfigDevice, NotANumberIsOutOfRange) {
+TEST(ConfigDevice, RejectsNonFiniteNumbers) {
   ExpectMentions(ErrorOf(Changed("force_max_N = 2.0", "force_max_N = nan")), {"limits.force_max_N", "nan"});
   ExpectMentions(ErrorOf(Changed("supply_V = 18.0", "supply_V = inf")), {"limits.supply_V", "inf"});
   ExpectMentions(ErrorOf(Changed("[0.060, 0.0, -0.075]", "[0.060, nan, -0.075]")),
                  {"sensors[0].position_base_m[1]", "nan"});
 }
 
-TEST(ConfigDevice, WrongTypes) {
+TEST(ConfigDevice, RejectsWrongTypes) {
   ExpectMentions(ErrorOf(Changed("remanence_T = 1.3", "remanence_T = \"1.3\"")),
                  {"magnet.remanence_T", "string", "[0.1, 1.6]"});
   ExpectMentions(ErrorOf(Changed("turns = 156", "turns = 156.5")), {"coils[0].turns", "integer"});
@@ -100,7 +100,7 @@ TEST(ConfigDevice, WrongTypes) {
   ExpectMentions(ErrorOf(Changed("[hull]", "[[hull]]")), {"hull", "table"});
 }
 
-TEST(ConfigDevice, UnknownAndMissingKeys) {
+TEST(ConfigDevice, RejectsUnknownAndMissingKeys) {
   ExpectMentions(ErrorOf(Changed("mass_kg", "mass_g")), {"magnet.mass_kg", "missing"});
   ExpectMentions(ErrorOf(Changed("mass_kg = 0.038", "mass_kg = 0.038\ncolour = \"red\"")),
                  {"magnet.colour", "unknown", "mass_kg"});
@@ -108,7 +108,7 @@ TEST(ConfigDevice, UnknownAndMissingKeys) {
   ExpectMentions(ErrorOf(Changed("[core]", "[kern]")), {"core", "missing"});
 }
 
-TEST(ConfigDevice, CountsOfSensorsAndCoils) {
+TEST(ConfigDevice, RejectsWrongCountsOfSensorsAndCoils) {
   const std::string sensor =
       "[[sensors]]\nposition_base_m = [0.01, 0.05, -0.075]\norientation_base_sensor = [1, 0, 0, 0]\n";
   ExpectMentions(ErrorOf(Changed("[[sensors]]", sensor + "[[sensors]]")), {"sensors", "9", "8"});
@@ -117,7 +117,7 @@ TEST(ConfigDevice, CountsOfSensorsAndCoils) {
   ExpectMentions(ErrorOf(text), {"coils", "2", "3"});
 }
 
-TEST(ConfigDevice, DirectionsAreNormalisedOrRefused) {
+TEST(ConfigDevice, DirectionsAreNormalisedOrRejected) {
   const auto device = ParseDevice(Changed("axis_base = [1.0, 0.0, 0.0]", "axis_base = [1.0, 0.005, 0.0]"), "t");
   ASSERT_TRUE(device.ok()) << device.error();
   const base::Vec3& axis = device->coils[0].axis_base;
@@ -128,7 +128,7 @@ TEST(ConfigDevice, DirectionsAreNormalisedOrRefused) {
                  {"orientation_base_sensor", "length"});
 }
 
-TEST(ConfigDevice, ContradictionsAreFound) {
+TEST(ConfigDevice, RejectsContradictoryGeometry) {
   ExpectMentions(ErrorOf(Changed("[0.060, 0.0, -0.075]", "[0.001, 0.0, -0.01]")), {"sensors[0]", "core_radius_m"});
   ExpectMentions(ErrorOf(Changed("[0.0, 0.060, -0.075]", "[0.060, 0.0, -0.075]")),
                  {"sensors[0]", "sensors[1]", "same"});
@@ -147,12 +147,12 @@ TEST(ConfigDevice, SyntaxErrorsNameTheLine) {
   ExpectMentions(ErrorOf(Changed("mass_kg = 0.038", "mass_kg = 0.038\nmass_kg = 0.04")), {"mass_kg"});
 }
 
-TEST(ConfigDevice, ControlCharactersDoNotReachTheMessage) {
+TEST(ConfigDevice, ErrorsContainNoControlCharacters) {
   const std::string error = ErrorOf(Changed("mass_kg = 0.038", "mass_kg = 0.038\n\"\\u001b[2J\" = 1"));
   EXPECT_EQ(error.find('\033'), std::string::npos);
 }
 
-TEST(ConfigDevice, FilesThatAreNoFiles) {
+TEST(ConfigDevice, RejectsMissingNonRegularAndHugeFiles) {
   const test::TempFolder folder;
   ExpectMentions(LoadDeviceFile(folder.Path("none.toml")).error(), {"none.toml", "cannot be read", "No such file"});
   ExpectMentions(LoadDeviceFile(folder.Path(".")).error(), {"regular file"});

@@ -30,7 +30,7 @@ void ExpectWords(const std::string& error, std::initializer_list<const char*> wo
   for (const char* word : words) EXPECT_NE(error.find(word), std::string::npos) << word << " not in: " << error;
 }
 
-TEST(ConfigInputs, WhatIsNotNamedKeepsItsDefault) {
+TEST(ConfigInputs, OmittedKeysKeepTheirDefaults) {
   const auto entry = ParseAppFile(App("secondary = [\"double_tap\", \"key:KEY_B\"]\npress_N = 0.3\n"), "f", "/s");
   ASSERT_TRUE(entry.ok()) << entry.error();
   ASSERT_TRUE(entry->inputs);
@@ -59,7 +59,7 @@ TEST(ConfigInputs, EverySourceAndComponentHasAName) {
   }
 }
 
-TEST(ConfigInputs, AFileMayBeAboutInputsOnly) {
+TEST(ConfigInputs, AcceptsFilesWithInputsOnly) {
   const auto entry = ParseAppFile("application = \"a\"\n[inputs]\n", "f", "/s");
   ASSERT_TRUE(entry.ok()) << entry.error();
   EXPECT_TRUE(entry->scene.empty());
@@ -74,7 +74,7 @@ TEST(ConfigInputs, AxesHaveTwoSigns) {
   ExpectWords(InputErrorOf("select = [\"-press\"]\n"), {"inputs.select", "-press", "is not a source"});
 }
 
-TEST(ConfigInputs, EachMistakeIsNamed) {
+TEST(ConfigInputs, ErrorsNameKeyValueAndLimit) {
   ExpectWords(InputErrorOf("secondary = [\"doubletap\"]\n"),
               {"test.toml:4", "inputs.secondary", "doubletap", "double_tap", "key:KEY_B"});
   ExpectWords(InputErrorOf("menu = [\"key:KEY_BANANA\"]\n"), {"test.toml:4", "KEY_BANANA", "input-event-codes.h"});
@@ -94,7 +94,7 @@ TEST(ConfigInputs, EachMistakeIsNamed) {
   ExpectWords(InputErrorOf(many + "]\n"), {"inputs.menu", "17", "at most 16"});
 }
 
-TEST(ConfigInputs, MoreKeysThanThereAreSlotsAreRefused) {
+TEST(ConfigInputs, RejectsMoreKeysThanSlots) {
   std::string text;
   int key = 1;
   for (const char* component : {"select", "secondary", "menu"}) {
@@ -105,7 +105,7 @@ TEST(ConfigInputs, MoreKeysThanThereAreSlotsAreRefused) {
   ExpectWords(InputErrorOf(text), {"inputs.menu", "limit is 32"});
 }
 
-TEST(ConfigInputs, ApplicationsShareTheSlotsOfTheirKeys) {
+TEST(ConfigInputs, ApplicationsShareKeySlots) {
   const test::TempFolder folder;
   folder.Write("apps/1.toml", App("menu = [\"key:KEY_B\", \"key:KEY_C\"]\n"));
   folder.Write("apps/2.toml", App("select = [\"key:KEY_C\", \"press\"]\nmenu = [\"key:KEY_D\"]\n"));
@@ -129,7 +129,7 @@ TEST(ConfigInputs, ApplicationsShareTheSlotsOfTheirKeys) {
   EXPECT_EQ(SourceText(InputSource::kFirstKey, plan.slots), "key:KEY_D");
 }
 
-TEST(ConfigInputs, WhoseKeysDoNotFitKeepsTheFallback) {
+TEST(ConfigInputs, ApplicationWhoseKeysDoNotFitUsesTheFallback) {
   AppTable apps;
   for (int app = 0; app < 3; ++app) {
     std::string text = "menu = [";
@@ -144,7 +144,7 @@ TEST(ConfigInputs, WhoseKeysDoNotFitKeepsTheFallback) {
   EXPECT_EQ(plan.slots.size(), 32u);
 }
 
-TEST(ConfigInputs, NothingIsReadWithoutTheUsersFile) {
+TEST(ConfigInputs, ReadsNoDevicesWithoutAValidUserFile) {
   AppTable apps;
   const InputPlan plan = PlanInputs("/no/such/inputs.toml", apps);
   EXPECT_TRUE(apps.problems.empty());
@@ -157,7 +157,7 @@ TEST(ConfigInputs, NothingIsReadWithoutTheUsersFile) {
   ExpectWords(apps.problems[0], {"inputs.toml:2", "devices[0].name"});
 }
 
-TEST(ConfigInputs, DevicesAreNamedInOneWay) {
+TEST(ConfigInputs, DevicesNeedEitherPathOrName) {
   ExpectWords(SettingsErrorOf("[[devices]]\ngrab = true\n"), {"inputs.toml", "exactly one"});
   ExpectWords(SettingsErrorOf("[[devices]]\nname = \"a\"\npath = \"/dev/b\"\n"), {"exactly one"});
   ExpectWords(SettingsErrorOf("[[devices]]\npath = \"event3\"\n"), {"devices[0].path", "event3", "absolute"});
@@ -167,7 +167,7 @@ TEST(ConfigInputs, DevicesAreNamedInOneWay) {
   ExpectWords(SettingsErrorOf("device = 1\n"), {"device", "unknown", "devices"});
 }
 
-TEST(ConfigInputs, KeysByNameAndNumber) {
+TEST(ConfigInputs, ParsesKeysByNameAndNumber) {
   EXPECT_EQ(KeyCode("KEY_A"), 30);
   EXPECT_EQ(KeyCode("BTN_LEFT"), 0x110);
   EXPECT_EQ(KeyCode("183"), 183);

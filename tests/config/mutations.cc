@@ -100,7 +100,7 @@ void ExpectSane(const base::DeviceGeometry& d) {
   }
 }
 
-TEST(ConfigMutations, DeviceFilesAreSaneOrRefused) {
+TEST(ConfigMutations, MutatedDeviceFilesAreRejectedOrInRange) {
   const std::string manifest = ReadFile(OMNI_SOURCE_DIR "/manifests/device/omni.toml");
   const char* asked = std::getenv("OMNI_FUZZ");
   const unsigned files = asked == nullptr ? 1500 : static_cast<unsigned>(std::strtoul(asked, nullptr, 10));
@@ -124,7 +124,7 @@ TEST(ConfigMutations, DeviceFilesAreSaneOrRefused) {
   EXPECT_GT(refused, files / 10);
 }
 
-TEST(ConfigMutations, AppFilesAreSaneOrRefused) {
+TEST(ConfigMutations, MutatedAppFilesAreRejectedOrInRange) {
   const std::string file = "offset_base_m = [0.01, 0.0, 0.0]\nscale = 1.5\nforce_scale = 0.5\n" +
                            ReadFile(OMNI_SOURCE_DIR "/manifests/apps.d/10-extrusion.toml") +
                            "secondary = [\"double_tap\", \"key:KEY_B\"]\npress_N = 0.3\nrelease_N = 0.1\ndwell_s = 2\n";
@@ -152,7 +152,7 @@ TEST(ConfigMutations, AppFilesAreSaneOrRefused) {
 }
 
 // A damaged calibration would push the pen the wrong way: it is rejected, or equal to the original.
-TEST(ConfigMutations, CalibrationFilesAreTheOriginalOrRefused) {
+TEST(ConfigMutations, MutatedCalibrationFilesAreRejectedOrUnchanged) {
   const config::ExpectedBase of = support::NominalBase();
   const std::string file = WriteCalibration(support::ExampleCalibration(), of.device);
   int same = 0;

@@ -10,7 +10,7 @@ namespace omni::config {
 namespace test_config_runtime_identity {
 
 // Left: XrInstanceProperties::runtimeName as it was seen in logs and sources.
-TEST(ConfigRuntimeIdentity, NamesLoseTheirVersions) {
+TEST(ConfigRuntimeIdentity, RemovesVendorAndVersion) {
   const std::pair<const char*, const char*> kNames[] = {
       {"Monado(XRT) by Collabora et al", "Monado(XRT)"},
       {"Monado(XRT) by Collabora et al.", "Monado(XRT)"},
@@ -40,19 +40,19 @@ TEST(ConfigRuntimeIdentity, NamesLoseTheirVersions) {
 }
 
 // Digits that belong to a name, quotation marks within words, words of hexadecimal letters.
-TEST(ConfigRuntimeIdentity, NamesKeepWhatIsNoVersion) {
+TEST(ConfigRuntimeIdentity, KeepsWordsThatAreNotVersions) {
   for (const char* name : {"PICO 4", "Quest 3S", "Focus3", "XR-4", "Jane's runtime", "Runtime effaced", "3D Vision",
                            "OpenXR-2 Runtime", "Vive 2Pro", "by Somebody"}) {
     EXPECT_EQ(RuntimeIdentity(name), name);
   }
 }
 
-TEST(ConfigRuntimeIdentity, ANameOfVersionsAloneIsItsOwnIdentity) {
+TEST(ConfigRuntimeIdentity, NameOfOnlyVersionsIsKept) {
   for (const char* name : {"", "'v25.1.0'", "2.17.8", " by "}) EXPECT_EQ(RuntimeIdentity(name), name);
   EXPECT_NE(RuntimeIdentity("1.0"), RuntimeIdentity("2.0"));
 }
 
-TEST(ConfigRuntimeIdentity, IsTheIdentityOfItself) {
+TEST(ConfigRuntimeIdentity, IsIdempotent) {
   for (const char* name : {"Monado(XRT) by Collabora et al '5976596'", "A  B 1.2 -", "a, 1.0", "x by y by z"}) {
     const std::string identity = RuntimeIdentity(name);
     EXPECT_EQ(RuntimeIdentity(identity), identity) << name;

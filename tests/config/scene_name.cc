@@ -38,14 +38,14 @@ TEST_F(SceneNames, AreFoundWithAndWithoutExtension) {
   EXPECT_EQ(Found(folder_.Path("mine/cup.glb")), folder_.Path("mine/cup.glb"));
 }
 
-TEST_F(SceneNames, AFileHereGoesBeforeAShippedOne) {
+TEST_F(SceneNames, LocalFilePrecedesShippedOne) {
   EXPECT_EQ(Found("dragon"), "dragon.glb");
   std::filesystem::remove(folder_.Path("mine/dragon.glb"));
   EXPECT_EQ(Found("dragon"), folder_.Path("scenes/dragon.glb"));
   EXPECT_EQ(Found("dragon.glb"), folder_.Path("scenes/dragon.glb"));
 }
 
-TEST_F(SceneNames, WithoutOneTheErrorSaysWhereAndTheNearest) {
+TEST_F(SceneNames, ErrorNamesSearchedFoldersAndNearestScene) {
   const struct {
     std::string name;
     std::vector<std::string> parts;

@@ -40,7 +40,7 @@ std::vector<std::string> DeepTexts() {
           "x = " + Repeated("[{a=", kDeep) + "1" + Repeated("}]", kDeep) + "\n"};
 }
 
-TEST(TomlLimits, EveryReaderRefusesADeepFile) {
+TEST(TomlLimits, EveryReaderRejectsDeeplyNestedFiles) {
   for (const std::string& text : DeepTexts()) {
     const std::string start = text.substr(0, 20);
     EXPECT_FALSE(ParseDevice(text, "f").ok()) << start;
@@ -63,7 +63,7 @@ std::string Refusal(const std::string& text, const TomlLimits& limits) {
   return checked.ok() ? "" : checked.error();
 }
 
-TEST(TomlLimits, EachLimitIsNamedWithItsLine) {
+TEST(TomlLimits, ErrorsNameTheLimitAndTheLine) {
   EXPECT_NE(Refusal("a = 1\nb = 2\n", {.bytes = 11}).find("f: is longer than 11 bytes"), std::string::npos);
   EXPECT_NE(Refusal("a = 1\nb.c.d = 2\n", {.parts = 2}).find("f:2: has a key of more than 2 parts"), std::string::npos);
   EXPECT_NE(Refusal("a = 1\n\nb = [[], [[]]]\n", {.depth = 2}).find("f:3: has arrays or tables nested deeper than 2"),
@@ -72,7 +72,7 @@ TEST(TomlLimits, EachLimitIsNamedWithItsLine) {
   EXPECT_NE(Refusal("abcd = 1\n", {.word = 3}).find("f:1: has a word of more than 3 bytes"), std::string::npos);
 }
 
-TEST(TomlLimits, TextsAndCommentsAreNotCounted) {
+TEST(TomlLimits, IgnoresStringsAndComments) {
   const TomlLimits narrow{.values = 4, .parts = 2, .depth = 1, .word = 8};
   EXPECT_EQ(Refusal("# [[[[ a.b.c.d.e.f = 1,2,3,4,5,6\na = \"[[[[ a.b.c.d.e , = \\\" [[[\"\n", narrow), "");
   EXPECT_EQ(Refusal("a = '[[[[ a.b.c.d.e , = \\'\n# it's\nb = 1.5\n", narrow), "");
@@ -95,7 +95,7 @@ std::size_t Levels(const toml::node& node) {
 
 // Words that change between text, comment and structure: where the scanner and toml++ read one differently, a file
 // could nest deeper than the scanner finds.
-TEST(TomlLimits, NothingThatPassesIsNestedDeeper) {
+TEST(TomlLimits, AcceptedFilesNeverExceedTheDepth) {
   static const char* const kWords[] = {"a",    "b.c",    ".",         "\"", "\"\"\"", "'",      "'''", "\\",
                                        "\\\"", "#",      "\n",        "\n", "=",      " = ",    "[",   "]",
                                        "[[",   "]]",     "{",         "}",  ", ",     "1",      "1.5", "\"x\"",

@@ -29,14 +29,14 @@ TEST(ConfigTwin, ReadsTheManifest) {
   EXPECT_DOUBLE_EQ(IdealTwin().effects.pwm_frequency_Hz, twin->effects.pwm_frequency_Hz);
 }
 
-TEST(ConfigTwin, RawBackgroundIsAChoice) {
+TEST(ConfigTwin, AcceptsRawBackground) {
   const auto twin = ParseTwin(Changed("background = \"known\"", "background = \"raw\""), "test.toml");
   ASSERT_TRUE(twin.ok()) << twin.error();
   EXPECT_FALSE(twin->effects.background_known);
   EXPECT_FALSE(ParseTwin(Changed("background = \"known\"", "background = \"some\""), "test.toml").ok());
 }
 
-TEST(ConfigTwin, MistakesNameFileKeyValueAndRange) {
+TEST(ConfigTwin, ErrorsNameFileKeyValueAndRange) {
   const auto wrong = ParseTwin(Changed("remanence_Am2 = 4.0e-3", "remanence_Am2 = 4.0"), "test.toml");
   ASSERT_FALSE(wrong.ok());
   for (const char* word : {"test.toml:", "core.remanence_Am2", "= 4", "[0, 1]"}) {
@@ -48,7 +48,7 @@ TEST(ConfigTwin, MistakesNameFileKeyValueAndRange) {
   EXPECT_FALSE(ParseTwin("", "test.toml").ok());
 }
 
-TEST(ConfigTwin, IdealAndRoomAreFoundByName) {
+TEST(ConfigTwin, FindsIdealAndRoomByName) {
   EXPECT_EQ(FindTwin("ideal")->effects.background_known, IdealTwin().effects.background_known);
   const auto room = FindTwin("room");
   ASSERT_TRUE(room.ok()) << room.error();
@@ -71,7 +71,7 @@ TEST(ConfigTwin, TheDefaultIsTheRoom) {
   EXPECT_EQ(FindTwin("")->effects.room.steel.size(), RoomTwin().effects.room.steel.size());
 }
 
-TEST(ConfigTwin, WhatIsKeptOfATwinIsKnownByAllThatItSays) {
+TEST(ConfigTwin, TextOfTwinChangesWithTheFileAndItsBase) {
   const test::TempFolder folder;
   const std::string path = folder.Write("mine.toml", "based_on = \"room\"\n[pen]\nmagnet_warming_K = 7\n");
   const std::string mine = *TextOfTwin(path);
@@ -84,7 +84,7 @@ TEST(ConfigTwin, WhatIsKeptOfATwinIsKnownByAllThatItSays) {
   EXPECT_FALSE(TextOfTwin("/nowhere/x.toml").ok());
 }
 
-TEST(ConfigTwin, AFileSaysOnlyWhatIsDifferent) {
+TEST(ConfigTwin, BasedOnFileOverridesOnlyItsOwnKeys) {
   const auto twin = ParseTwin("based_on = \"room\"\n[pen]\nmagnet_warming_K = 7", "test.toml");
   ASSERT_TRUE(twin.ok()) << twin.error();
   EXPECT_DOUBLE_EQ(twin->effects.magnet_warming_K, 7);
@@ -151,7 +151,7 @@ TEST(ConfigTwin, ReadsARoom) {
   EXPECT_TRUE(IdealTwin().effects.room.steel.empty());
 }
 
-TEST(ConfigTwin, MistakesInARoomNameTheTable) {
+TEST(ConfigTwin, RoomErrorsNameTheTable) {
   const struct {
     const char* from;
     const char* to;

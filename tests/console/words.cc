@@ -19,7 +19,7 @@ namespace test_console_words {
 
 const std::vector<std::string> kWords = {"status", "watch", "doctor", "scene", "surfaces", "report"};
 
-TEST(NearestWord, FindsWhatASlipOfTheFingersMeant) {
+TEST(NearestWord, FindsTheIntendedWordForTypos) {
   const struct {
     const char *typed, *meant;
   } rows[] = {{"statsu", "status"},    {"sttaus", "status"}, {"Status", "status"}, {"statuss", "status"},
@@ -28,7 +28,7 @@ TEST(NearestWord, FindsWhatASlipOfTheFingersMeant) {
   for (const auto& row : rows) EXPECT_EQ(base::NearestWord(row.typed, kWords), row.meant) << row.typed;
 }
 
-TEST(NearestWord, SaysNothingWhereNothingIsNear) {
+TEST(NearestWord, IsEmptyWhenNoWordIsSimilar) {
   for (const char* typed : {"", "x", "dance", "sculpture", "st", "--json"}) {
     EXPECT_EQ(base::NearestWord(typed, kWords), "") << typed;
   }
@@ -71,7 +71,7 @@ constexpr const char* kStatus =
     "\n"
     "  --seconds FLOAT    how long it goes on, in seconds of the base's own clock\n";
 
-TEST(Wrap, KeepsToTheWidthAndLosesNoWord) {
+TEST(Wrap, KeepsWidthAndAllWords) {
   for (int columns = 20; columns <= 200; ++columns) {
     const std::string wrapped = Wrap(kStatus, columns);
     EXPECT_LE(Widest(wrapped), static_cast<std::size_t>(columns)) << wrapped;
@@ -81,7 +81,7 @@ TEST(Wrap, KeepsToTheWidthAndLosesNoWord) {
   EXPECT_EQ(Wrap(kStatus, 0), kStatus);
 }
 
-TEST(Wrap, ContinuesBelowTheColumnOfText) {
+TEST(Wrap, IndentsContinuationLinesToTextColumn) {
   EXPECT_EQ(Wrap("tick       one two three\n", 20), "tick       one two\n  three\n") << "no room for a column";
   EXPECT_EQ(Wrap("tick    one two three four five\n", 20), "tick    one two\n        three four\n        five\n");
   EXPECT_EQ(Wrap("    an indented line of words\n", 20), "    an indented line\n    of words\n");
@@ -89,7 +89,7 @@ TEST(Wrap, ContinuesBelowTheColumnOfText) {
   EXPECT_EQ(Wrap("umlauts \xC3\xA4\xC3\xB6\xC3\xBC count\n", 21), "umlauts \xC3\xA4\xC3\xB6\xC3\xBC count\n");
 }
 
-TEST(Wrap, WidthComesFromTheEnvironmentFirst) {
+TEST(Wrap, WidthPrefersColumnsVariable) {
   ::setenv("COLUMNS", "64", 1);
   EXPECT_EQ(TextColumns(0), 64);
   ::setenv("COLUMNS", "3", 1);
@@ -125,7 +125,7 @@ Parsed ParseWords(const std::vector<std::string>& words) {
   return parsed;
 }
 
-TEST(Parse, NamesTheWrongWordAndTheNearest) {
+TEST(Parse, ErrorsNameWrongWordAndSuggestNearest) {
   const struct {
     std::vector<std::string> words;
     const char* said;
@@ -152,7 +152,7 @@ TEST(Parse, NamesTheWrongWordAndTheNearest) {
   }
 }
 
-TEST(Parse, RightWordsGoOnOrEndAsTheCommandSays) {
+TEST(Parse, ValidWordsReturnTheCommandsStatus) {
   EXPECT_EQ(ParseWords({"paint", "--colour", "red", "a.png"}).status, std::nullopt);
   EXPECT_EQ(ParseWords({"wait"}).status, 3);
   EXPECT_EQ(ParseWords({"--version"}).status, 0);

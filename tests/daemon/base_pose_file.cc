@@ -20,7 +20,7 @@ std::string Read(const std::string& path) {
 }
 
 // Garbage is reported, by file and key, and never overwritten.
-TEST(DaemonBasePoseFile, AFileThatCannotBeReadIsLeftAlone) {
+TEST(DaemonBasePoseFile, InvalidFileIsReportedAndNeverOverwritten) {
   const TempFolder temp;
   const std::string good = [&] {
     BasePoses placements(temp.Path("good.toml"));
@@ -53,7 +53,7 @@ TEST(DaemonBasePoseFile, AFileThatCannotBeReadIsLeftAlone) {
   }
 }
 
-TEST(DaemonBasePoseFile, WhatCannotBeWrittenIsNotPretended) {
+TEST(DaemonBasePoseFile, StoreFailsIfTheFileCannotBeWritten) {
   const TempFolder temp;
   temp.Write("file", "");
   BasePoses placements(temp.Path("file/alignments.toml"));
@@ -65,7 +65,7 @@ TEST(DaemonBasePoseFile, WhatCannotBeWrittenIsNotPretended) {
 }
 
 // A reply reports whether the file was written; only a refusal comes at once.
-TEST(DaemonBasePoseFile, AnAnswerComesWhenTheFileIsWritten) {
+TEST(DaemonBasePoseFile, RepliesOnceTheFileIsWritten) {
   const TempFolder temp;
   const std::string path = temp.Path("a.toml");
   struct Answer {

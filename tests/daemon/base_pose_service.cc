@@ -17,7 +17,7 @@ protocol::Session SessionOf(protocol::SessionState state) {
 }
 
 // The flag of every sample and the status are about the headset of the owner of the force.
-TEST(DaemonBasePoseService, TheServiceSaysWhetherTheOwnerIsAligned) {
+TEST(DaemonBasePoseService, StatusSaysWhetherTheOwnersHeadsetIsAligned) {
   const TempFolder temp;
   bool aligned = false;
   Service service({.version = "test",
@@ -53,7 +53,7 @@ TEST(DaemonBasePoseService, TheServiceSaysWhetherTheOwnerIsAligned) {
 }
 
 // A change of a space is accepted only from an application whose session has begun, and for its own spaces.
-TEST(DaemonBasePoseService, TheServiceBelievesOnlyASessionThatHasBegun) {
+TEST(DaemonBasePoseService, IgnoresSpaceChangesBeforeTheFirstSession) {
   const TempFolder temp;
   const std::string path = temp.Path("a.toml");
   Service service({.version = "test", .instance = 1, .hull_radius_m = 0.0375, .alignment_path = path});

@@ -8,7 +8,7 @@
 namespace omni::daemon {
 namespace test_daemon_base_poses {
 
-TEST(DaemonBasePoses, WhatIsStoredIsToldAtOnceAndAfterARestart) {
+TEST(DaemonBasePoses, StoredPlacementIsSentAtOnceAndAfterARestart) {
   const TempFolder temp;
   const std::string path = temp.Path("config/omni/alignments.toml");
   Listener listener;
@@ -42,7 +42,7 @@ TEST(DaemonBasePoses, WhatIsStoredIsToldAtOnceAndAfterARestart) {
   }
 }
 
-TEST(DaemonBasePoses, TheFirstKnownSpaceOfTheHeadsetIsTheAnswer) {
+TEST(DaemonBasePoses, AnswersWithTheFirstKnownSpaceOfTheHeadset) {
   const TempFolder temp;
   BasePoses placements(temp.Path("a.toml"));
   ASSERT_TRUE(placements.Execute(Store(kSpaceLocal, 0.2), kDate_s).ok);
@@ -63,7 +63,7 @@ TEST(DaemonBasePoses, TheFirstKnownSpaceOfTheHeadsetIsTheAnswer) {
 }
 
 // An updated runtime is not another runtime: Monado puts its git tag into its name.
-TEST(DaemonBasePoses, AnAlignmentSurvivesAnUpdateOfTheRuntime) {
+TEST(DaemonBasePoses, AlignmentSurvivesARuntimeUpdate) {
   const TempFolder temp;
   const std::string path = temp.Path("a.toml");
   const auto known_to = [&](const std::string& runtime) {
@@ -94,7 +94,7 @@ TEST(DaemonBasePoses, AnAlignmentSurvivesAnUpdateOfTheRuntime) {
 }
 
 // An older file, with an entry for every build that was ever aligned: the newest one is used.
-TEST(DaemonBasePoses, OfSeveralBuildsOfARuntimeTheNewestAlignmentHolds) {
+TEST(DaemonBasePoses, NewestAlignmentOfSeveralRuntimeBuildsIsUsed) {
   const TempFolder temp;
   config::AlignmentFile file;
   for (const auto& [build, date, x] :
@@ -119,7 +119,7 @@ TEST(DaemonBasePoses, OfSeveralBuildsOfARuntimeTheNewestAlignmentHolds) {
   EXPECT_EQ(placements.file().entries.size(), 1U);
 }
 
-TEST(DaemonBasePoses, ForgetOneOrAll) {
+TEST(DaemonBasePoses, ForgetsOneAlignmentOrAll) {
   const TempFolder temp;
   BasePoses placements(temp.Path("a.toml"));
   ASSERT_TRUE(placements.Execute(Store(kSpaceStage), kDate_s).ok);
@@ -135,7 +135,7 @@ TEST(DaemonBasePoses, ForgetOneOrAll) {
   EXPECT_TRUE(BasePoses(temp.Path("a.toml")).file().entries.empty());
 }
 
-TEST(DaemonBasePoses, PolicyIsKeptAndTold) {
+TEST(DaemonBasePoses, PolicyIsStoredAndSent) {
   const TempFolder temp;
   BasePoses placements(temp.Path("a.toml"));
   placements.Request(1, Request({kSpaceLocal}));
@@ -151,7 +151,7 @@ TEST(DaemonBasePoses, PolicyIsKeptAndTold) {
   EXPECT_FALSE(placements.Aligned(1)) << "the pen has no pose";
 }
 
-TEST(DaemonBasePoses, SixtyFourHeadsetsAndNoMore) {
+TEST(DaemonBasePoses, RejectsMoreThan64Alignments) {
   const TempFolder temp;
   BasePoses placements(temp.Path("a.toml"));
   protocol::BasePoseCommand command = Store(kSpaceLocal);

@@ -74,7 +74,7 @@ TEST_F(BuilderTest, ASceneWithoutTagsHasNoLiveParts) {
   EXPECT_EQ(builder.Progress(1).objects, 0U);
 }
 
-TEST_F(BuilderTest, TheSceneComesFirstThenItsBodies) {
+TEST_F(BuilderTest, DeliversTheSceneBeforeItsSoftBodies) {
   SceneBuilder builder(0.0375, {}, kCoarse);
   builder.Request(1, Soft("two", 2));
   const BuiltScene built = Result(builder);
@@ -96,7 +96,7 @@ TEST_F(BuilderTest, TheSceneComesFirstThenItsBodies) {
   EXPECT_EQ(progress.done, 1);
 }
 
-TEST_F(BuilderTest, WhatWasComputedIsKept) {
+TEST_F(BuilderTest, CachesSoftBodies) {
   const config::AppEntry app = Soft("kept", 1);
   for (const bool cached : {false, true}) {
     SceneBuilder builder(0.0375, folder_.Path("cache"), kCoarse);
@@ -107,7 +107,7 @@ TEST_F(BuilderTest, WhatWasComputedIsKept) {
   }
 }
 
-TEST_F(BuilderTest, ASceneThatIsWaitedForGoesFirst) {
+TEST_F(BuilderTest, RequestedScenesPreemptSoftBodies) {
   SceneBuilder builder(0.0375, folder_.Path("cache"), kForever);
   builder.Request(1, Soft("slow", 1));
   ASSERT_EQ(Result(builder).client, 1U);
@@ -123,7 +123,7 @@ TEST_F(BuilderTest, ASceneThatIsWaitedForGoesFirst) {
   EXPECT_FALSE(builder.PopSoftOutcome());
 }
 
-TEST_F(BuilderTest, CancelStopsItAndLeavesNothing) {
+TEST_F(BuilderTest, CancelStopsTheJobAndDiscardsItsResults) {
   SceneBuilder builder(0.0375, folder_.Path("cache"), kForever);
   builder.Request(1, Soft("slow", 3));
   std::weak_ptr<const haptics::Scene> scene;
@@ -142,7 +142,7 @@ TEST_F(BuilderTest, CancelStopsItAndLeavesNothing) {
   EXPECT_NE(Result(builder).scene, nullptr) << "and it builds later requests";
 }
 
-TEST_F(BuilderTest, ANewRequestOfTheClientStopsTheOldOne) {
+TEST_F(BuilderTest, NewRequestReplacesTheClientsOldOne) {
   SceneBuilder builder(0.0375, {}, kForever);
   builder.Request(1, Soft("slow", 2));
   ASSERT_NE(Result(builder).scene, nullptr);
@@ -152,7 +152,7 @@ TEST_F(BuilderTest, ANewRequestOfTheClientStopsTheOldOne) {
   EXPECT_EQ(builder.Progress(1).objects, 0U);
 }
 
-TEST_F(BuilderTest, TheEndOfTheBuilderStopsIt) {
+TEST_F(BuilderTest, DestructorStopsARunningJob) {
   {
     SceneBuilder builder(0.0375, folder_.Path("cache"), kForever);
     builder.Request(1, Soft("slow", 1));
@@ -162,7 +162,7 @@ TEST_F(BuilderTest, TheEndOfTheBuilderStopsIt) {
   EXPECT_EQ(Kept(), 0U);
 }
 
-TEST_F(BuilderTest, ABodyThatFailsIsToldAndTheNextOneIsMade) {
+TEST_F(BuilderTest, FailedSoftBodyIsReportedAndTheNextIsBuilt) {
   haptics::Material jelly;
   jelly.softness.model = haptics::SoftnessModel::kTet;
   haptics::SceneInput input = haptics::SceneOf(haptics::Block(6, {0.02, 0.02, 0.02}), jelly);
@@ -185,7 +185,7 @@ TEST_F(BuilderTest, ABodyThatFailsIsToldAndTheNextOneIsMade) {
   EXPECT_EQ(builder.Progress(7).done, 1);
 }
 
-TEST_F(BuilderTest, ClayComesWithItsWorkshopOrSaysWhyNot) {
+TEST_F(BuilderTest, SculptableObjectGetsASculptSessionOrAWarning) {
   haptics::Material clay;
   clay.sculpt.enabled = true;
   haptics::SceneInput input = haptics::SceneOf(haptics::Sphere(6, 0.02), clay);

@@ -8,13 +8,13 @@
 namespace omni::daemon {
 namespace test_daemon_device {
 
-TEST(DeviceWords, KnownOnes) {
+TEST(DeviceWords, AcceptsKnownDevices) {
   for (const char* device : {"twin", "usb", "usb:A17", "usb:with:colon"}) {
     EXPECT_EQ(DeviceProblem(device), "") << device;
   }
 }
 
-TEST(DeviceWords, OthersAreRefusedWithTheList) {
+TEST(DeviceWords, RejectsUnknownDevicesAndListsKnownOnes) {
   for (const char* device : {"", "usb:", "twin:7", "auto", "serial", ":A17"}) {
     const std::string problem = DeviceProblem(device);
     for (const char* part : {"is not a device", "twin", "usb[:SERIAL]"}) {
@@ -23,26 +23,26 @@ TEST(DeviceWords, OthersAreRefusedWithTheList) {
   }
 }
 
-TEST(DeviceWords, HelpSaysWhatEachIs) {
+TEST(DeviceWords, HelpDescribesEveryDevice) {
   for (const char* part : {"twin: ", "usb[:SERIAL]: ", "waits until", "simulation"}) {
     EXPECT_NE(DeviceHelp().find(part), std::string::npos) << part;
   }
 }
 
-TEST(DeviceWords, SimulationRunsOnlyWhenAskedFor) {
+TEST(DeviceWords, SimulationRunsOnlyWhenRequested) {
   EXPECT_FALSE(IsTwin(RunOptions{}.device));
   EXPECT_EQ(DeviceProblem(RunOptions{}.device), "");
   EXPECT_TRUE(IsTwin("twin"));
   EXPECT_FALSE(IsTwin("usb:twin"));
 }
 
-TEST(DeviceWords, OpeningAnUnknownOneIsAnError) {
+TEST(DeviceWords, OpeningAnUnknownDeviceFails) {
   RunOptions options;
   options.device = "nothing";
   EXPECT_FALSE(OpenDevice(options).ok());
 }
 
-TEST(FaultLog, EachFaultOnceWithAdvice) {
+TEST(FaultLog, ReportsEachFaultOnceWithAdvice) {
   FaultLog log;
   EXPECT_TRUE(log.News({.faults = wire::kFaultNotArmed | wire::kFaultHostSilent}).empty()) << "cleared by arming";
   const device::TransportState hot{.waits_for_person = true, .faults = wire::kFaultOverTemperature | wire::kFaultFan};
@@ -55,7 +55,7 @@ TEST(FaultLog, EachFaultOnceWithAdvice) {
   EXPECT_TRUE(log.News(hot).empty()) << "not again";
 }
 
-TEST(FaultLog, SaysWhenItIsOver) {
+TEST(FaultLog, ReportsWhenFaultsClear) {
   FaultLog log;
   log.News({.faults = wire::kFaultFan});
   const std::vector<FaultLine> news = log.News({});
@@ -82,7 +82,7 @@ device::BaseNote LogNote(wire::LogLevel level, const std::string& text) {
   return note;
 }
 
-TEST(FaultLog, SaysWhereAFaultCameAndWhatWasMeasured) {
+TEST(FaultLog, ReportsTheFaultyPartAndTheMeasuredValue) {
   FaultLog log;
   log.Hear(FaultNote(wire::kFaultOverTemperature, 2, 71.5F), 1);
   log.Hear(FaultNote(wire::kFaultFan, 255, 0), 1);
@@ -94,7 +94,7 @@ TEST(FaultLog, SaysWhereAFaultCameAndWhatWasMeasured) {
   EXPECT_TRUE(log.News({.faults = wire::kFaultOverTemperature | wire::kFaultFan}).empty()) << "each once";
 }
 
-TEST(FaultLog, AFaultThatTelemetryNeverShowsIsToldAllTheSame) {
+TEST(FaultLog, ReportsFaultsThatTelemetryMissed) {
   FaultLog log;
   log.Hear(FaultNote(wire::kFaultDriver, 1, 4), 1);
   EXPECT_TRUE(log.News({}).empty()) << "telemetry may be on its way";
@@ -104,7 +104,7 @@ TEST(FaultLog, AFaultThatTelemetryNeverShowsIsToldAllTheSame) {
   EXPECT_TRUE(log.News({}).empty());
 }
 
-TEST(FaultLog, ASilentHostAndAKeptFaultAreNoProblems) {
+TEST(FaultLog, HostSilenceAndStoredFaultsAreNotProblems) {
   FaultLog log;
   log.Hear(FaultNote(wire::kFaultHostSilent, 255, 0.012F), 1);
   device::BaseNote kept = FaultNote(wire::kFaultSupplyLow, 255, 8);
@@ -118,7 +118,7 @@ TEST(FaultLog, ASilentHostAndAKeptFaultAreNoProblems) {
   for (const FaultLine& line : news) EXPECT_FALSE(line.is_problem);
 }
 
-TEST(FaultLog, MessagesOfTheBaseArePrintable) {
+TEST(FaultLog, BaseMessagesAreMadePrintable) {
   FaultLog log;
   log.Hear(LogNote(wire::LogLevel::kWarning, "armed -> fault\x1B[31m\n"), 1);
   log.Hear(LogNote(wire::LogLevel::kInfo, "idle -> armed"), 2);
@@ -131,7 +131,7 @@ TEST(FaultLog, MessagesOfTheBaseArePrintable) {
 }
 
 // A base that talks without end, in words and in faults that do not exist.
-TEST(FaultLog, NobodyIsFlooded) {
+TEST(FaultLog, LimitsTheRateOfBaseMessages) {
   FaultLog log;
   std::size_t lines = 0;
   constexpr std::int64_t kPoll_ns = 100'000'000;

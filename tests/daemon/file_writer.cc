@@ -60,7 +60,7 @@ FileWriter::Written Next(FileWriter& writer) {
   }
 }
 
-TEST(DaemonFileWriter, OfTextsThatWaitOnlyTheNewestIsWritten) {
+TEST(DaemonFileWriter, WritesOnlyTheNewestWaitingText) {
   const auto disk = std::make_shared<Disk>();
   FileWriter writer(On(disk));
   disk->Set(false);
@@ -89,7 +89,7 @@ TEST(DaemonFileWriter, AFailedWriteIsReportedAndTheNextIsTried) {
   EXPECT_TRUE(Next(writer).status.ok());
 }
 
-TEST(DaemonFileWriter, WhatWaitsIsWrittenAtTheEnd) {
+TEST(DaemonFileWriter, DestructorWritesWaitingTexts) {
   const auto disk = std::make_shared<Disk>();
   {
     FileWriter writer(On(disk));
@@ -99,7 +99,7 @@ TEST(DaemonFileWriter, WhatWaitsIsWrittenAtTheEnd) {
   const FileWriter idle(On(disk));  // no request: no thread to end
 }
 
-TEST(DaemonFileWriter, ADiskThatHangsDoesNotKeepTheServiceFromEnding) {
+TEST(DaemonFileWriter, HangingDiskDoesNotBlockTheDestructor) {
   const auto disk = std::make_shared<Disk>();
   disk->Set(false);
   {

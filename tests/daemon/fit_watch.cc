@@ -23,7 +23,7 @@ struct Scenario {
   }
 };
 
-TEST(DaemonFitWatch, NoExplanationForSomeSecondsIsAMisfitUntilThereIsOneAgain) {
+TEST(DaemonFitWatch, MisfitAfterSecondsWithoutAPoseUntilPosesReturn) {
   Scenario scenario;
   scenario.Run(2.5, 0, 100);
   EXPECT_FALSE(scenario.watch.misfit()) << "too early";
@@ -37,7 +37,7 @@ TEST(DaemonFitWatch, NoExplanationForSomeSecondsIsAMisfitUntilThereIsOneAgain) {
   EXPECT_EQ(scenario.changes, 2) << "each reported once";
 }
 
-TEST(DaemonFitWatch, APenThatIsAwayOrTrackedIsNoMisfit) {
+TEST(DaemonFitWatch, NoMisfitWhileThePenIsAwayOrTracked) {
   Scenario scenario;
   scenario.Run(60, 0, 0);
   scenario.Run(60, 100, 1);
@@ -46,7 +46,7 @@ TEST(DaemonFitWatch, APenThatIsAwayOrTrackedIsNoMisfit) {
   EXPECT_EQ(scenario.changes, 0);
 }
 
-TEST(DaemonFitWatch, HalfATrackIsAMisfitWithoutFlicker) {
+TEST(DaemonFitWatch, PartialTrackingIsAMisfitWithoutFlicker) {
   Scenario scenario;
   scenario.Run(30, 80, 20);
   EXPECT_TRUE(scenario.watch.misfit());
@@ -56,7 +56,7 @@ TEST(DaemonFitWatch, HalfATrackIsAMisfitWithoutFlicker) {
   EXPECT_EQ(scenario.changes, 1);
 }
 
-TEST(DaemonFitWatch, AnIdleLoopIsWatchedToo) {
+TEST(DaemonFitWatch, DetectsMisfitInAnIdleLoop) {
   Scenario scenario;
   scenario.Run(8, 0, 6);
   EXPECT_TRUE(scenario.watch.misfit());

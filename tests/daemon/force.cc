@@ -65,7 +65,7 @@ class ForceClientsTest : public testing::Test {
   ForceClients table_;
 };
 
-TEST_F(ForceClientsTest, OnlyTheFocusedOneThatClaimedItIsFelt) {
+TEST_F(ForceClientsTest, OnlyTheFocusedClientThatClaimedThePenCanPush) {
   EXPECT_FALSE(table_.Take(1, Push(), kNow_ns)) << "no claim, no focus";
   Claim(1);
   EXPECT_FALSE(table_.Take(1, Push(), kNow_ns)) << "no focus";
@@ -77,7 +77,7 @@ TEST_F(ForceClientsTest, OnlyTheFocusedOneThatClaimedItIsFelt) {
   EXPECT_TRUE(table_.Command(kNow_ns, kNow_ns).open);
 }
 
-TEST_F(ForceClientsTest, AnotherOwnerStartsWithNothing) {
+TEST_F(ForceClientsTest, ChangeOfOwnerClearsForcesAndConstraints) {
   Claim(1);
   Claim(2);
   table_.SetOwner(1);
@@ -96,7 +96,7 @@ TEST_F(ForceClientsTest, AnotherOwnerStartsWithNothing) {
   }
 }
 
-TEST_F(ForceClientsTest, StopAndGivingUpEndEverything) {
+TEST_F(ForceClientsTest, StopAndReleaseEndForcesAndConstraints) {
   Claim(1);
   table_.SetOwner(1);
   table_.Take(1, TwoSprings(), kNow_ns);
@@ -112,7 +112,7 @@ TEST_F(ForceClientsTest, StopAndGivingUpEndEverything) {
   EXPECT_EQ(table_.Command(kNow_ns, kNow_ns).constraint_count, 0U);
 }
 
-TEST_F(ForceClientsTest, SilenceClosesAndASignOfLifeOpens) {
+TEST_F(ForceClientsTest, ForceIsSuspendedAfter50MillisecondsWithoutHeartbeat) {
   Claim(1);
   table_.SetOwner(1);
   table_.Take(1, TwoSprings(), kNow_ns);
@@ -122,7 +122,7 @@ TEST_F(ForceClientsTest, SilenceClosesAndASignOfLifeOpens) {
   EXPECT_EQ(table_.Command(kNow_ns, kNow_ns).constraint_count, 2U) << "constraints come back";
 }
 
-TEST_F(ForceClientsTest, AMessageLosesTheTimeThatItIsLate) {
+TEST_F(ForceClientsTest, LateMessageIsShortenedByItsDelay) {
   Claim(1);
   table_.SetOwner(1);
   table_.Take(1, Push(kNow_ns - 30 * kMs_ns, 40 * kMs_ns), kNow_ns);
@@ -136,7 +136,7 @@ TEST_F(ForceClientsTest, AMessageLosesTheTimeThatItIsLate) {
   EXPECT_LT(table_.Command(kNow_ns + 100 * kMs_ns, kNow_ns).force_end_ns, kNow_ns) << "by the service's own clock";
 }
 
-TEST_F(ForceClientsTest, EverybodyIsToldWhoseItIsOnce) {
+TEST_F(ForceClientsTest, NotifiesEachClientOncePerChange) {
   protocol::ForceProperties properties;
   properties.available = 1;
   deaf_ = true;
@@ -160,7 +160,7 @@ TEST_F(ForceClientsTest, EverybodyIsToldWhoseItIsOnce) {
   EXPECT_EQ(standing_[1], ForceStanding::kFree) << "the focused one has claimed nothing";
 }
 
-TEST(ForceProperties, OfTheDeviceAsDrawn) {
+TEST(ForceProperties, NominalDeviceHasConsistentProperties) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   const loop::TickConfig config = loop::MakeTickConfig(device);
   const protocol::ForceProperties can = DescribeForce(config, device);
@@ -180,7 +180,7 @@ TEST(ForceProperties, OfTheDeviceAsDrawn) {
   EXPECT_GT(can.reach[0].force_N, 0.5);
 }
 
-TEST(ForceProperties, ReachFollowsTheTipThatWasMeasured) {
+TEST(ForceProperties, ReachFollowsTheMeasuredTip) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   base::Calibration calibration = magnetics::NominalCalibration(device);
   const auto outer_m = [&] { return DescribeForce(loop::MakeTickConfig(device, calibration), device).outer_radius_m; };
@@ -190,7 +190,7 @@ TEST(ForceProperties, ReachFollowsTheTipThatWasMeasured) {
 }
 
 // At the continuous force, with the heat model run for an hour, no copper exceeds its target temperature.
-TEST(ForceProperties, TheContinuousForceCanBeHeld) {
+TEST(ForceProperties, ContinuousForceNeverOverheatsTheCoils) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   const loop::TickConfig config = loop::MakeTickConfig(device);
   const protocol::ForceProperties can = DescribeForce(config, device);

@@ -48,7 +48,7 @@ std::vector<Heard> Decode(KeyDecoder& decoder, const std::vector<unsigned char>&
   return heard;
 }
 
-TEST(KeyDecoder, KeysWithTheKernelsTimes) {
+TEST(KeyDecoder, ReportsPressAndReleaseWithKernelTimes) {
   KeyDecoder decoder;
   const std::int64_t now = 100 * kSecond_ns;
   const auto heard =
@@ -59,7 +59,7 @@ TEST(KeyDecoder, KeysWithTheKernelsTimes) {
   EXPECT_EQ(heard, (std::vector<Heard>{{KEY_B, true, now - 3000}, {KEY_B, false, now}}));
 }
 
-TEST(KeyDecoder, EventsMayBeCutAnywhere) {
+TEST(KeyDecoder, DecodesEventsSplitAtAnyByte) {
   const std::int64_t now = 100 * kSecond_ns;
   std::vector<input_event> events;
   for (int i = 0; i < 50; ++i) events.push_back(Event(EV_KEY, KEY_A, i % 2 == 0, now - 1'000'000 * (50 - i)));
@@ -81,7 +81,7 @@ TEST(KeyDecoder, EventsMayBeCutAnywhere) {
   }
 }
 
-TEST(KeyDecoder, AStrangeClockCountsAsNow) {
+TEST(KeyDecoder, ReplacesTimesOfOtherClocksByNow) {
   KeyDecoder decoder;
   const std::int64_t now = 100 * kSecond_ns;
   for (const std::int64_t strange :
@@ -92,7 +92,7 @@ TEST(KeyDecoder, AStrangeClockCountsAsNow) {
   }
 }
 
-TEST(KeyDecoder, DroppedEventsAreSkippedAndTold) {
+TEST(KeyDecoder, SkipsAndReportsDroppedEvents) {
   KeyDecoder decoder;
   const std::int64_t now = 100 * kSecond_ns;
   auto heard = Decode(decoder, Bytes({Event(EV_SYN, SYN_DROPPED, 0, now), Event(EV_KEY, KEY_A, 1, now)}), now);
@@ -105,7 +105,7 @@ TEST(KeyDecoder, DroppedEventsAreSkippedAndTold) {
 }
 
 // Random bytes: keys in range, sane times, consistent counts.
-TEST(KeyBook, GarbageLeavesCountsThatFit) {
+TEST(KeyBook, GarbageKeepsPressAndReleaseCountsConsistent) {
   std::mt19937 random(4);
   KeyBook book({KEY_A, KEY_B, 0, KEY_MAX});
   std::array<KeyDecoder, kMaxKeyDevicesOpen> decoders;
@@ -138,7 +138,7 @@ TEST(KeyBook, GarbageLeavesCountsThatFit) {
   EXPECT_GT(changes, 50u) << "else this test tests nothing";
 }
 
-TEST(KeyBook, AKeyOfTwoDevicesIsDownWhileOneHoldsIt) {
+TEST(KeyBook, KeyStaysDownWhileAnyDeviceHoldsIt) {
   KeyBook book({KEY_A});
   const base::KeyState& key = book.states().slots[0];
   EXPECT_TRUE(book.Set(0, KEY_A, true, 10));
@@ -249,7 +249,7 @@ class KeyThreadTest : public testing::Test {
   std::unique_ptr<KeyThread> thread_;
 };
 
-TEST_F(KeyThreadTest, KeysArriveWithTheirTimes) {
+TEST_F(KeyThreadTest, ReportsKeysWithTheirTimes) {
   Plug("/pedal");
   Start({{.path = "/pedal", .name_glob = {}, .grab = false}});
   ASSERT_TRUE(Until([&] { return Opened() == 1; }));
@@ -264,7 +264,7 @@ TEST_F(KeyThreadTest, KeysArriveWithTheirTimes) {
   EXPECT_FALSE(pipes_.grabbed["/pedal"]) << "only on request";
 }
 
-TEST_F(KeyThreadTest, UnpluggedReleasesAndComesBack) {
+TEST_F(KeyThreadTest, UnplugReleasesKeysAndReplugResumes) {
   Start({{.path = "/pedal", .name_glob = {}, .grab = true}});
   ASSERT_TRUE(Until([&] { return !thread_->Status().empty() && thread_->Status()[0].paths.empty(); }));
   for (int round = 1; round <= 3; ++round) {
@@ -279,7 +279,7 @@ TEST_F(KeyThreadTest, UnpluggedReleasesAndComesBack) {
   EXPECT_TRUE(pipes_.grabbed["/pedal"]);
 }
 
-TEST_F(KeyThreadTest, GarbageDoesNoHarm) {
+TEST_F(KeyThreadTest, GarbageFromOneDeviceDoesNotDisturbAnother) {
   Plug("/broken");
   Plug("/good");
   Start({{.path = {}, .name_glob = "*", .grab = false}});
@@ -296,7 +296,7 @@ TEST_F(KeyThreadTest, GarbageDoesNoHarm) {
   EXPECT_TRUE(Until([&] { return Key(0).press_count == before + 1; }));
 }
 
-TEST_F(KeyThreadTest, AfterDroppedEventsKeysAreAskedAnew) {
+TEST_F(KeyThreadTest, QueriesKeyStateAfterDroppedEvents) {
   Plug("/pedal");
   pipes_.down = {false, true};
   Start({{.path = "/pedal", .name_glob = {}, .grab = false}});
@@ -308,7 +308,7 @@ TEST_F(KeyThreadTest, AfterDroppedEventsKeysAreAskedAnew) {
   EXPECT_TRUE(Until([&] { return Key(0).release_count == 1 && Key(1).press_count == 1; }));
 }
 
-TEST_F(KeyThreadTest, ARefusalIsTold) {
+TEST_F(KeyThreadTest, StatusReportsWhyADeviceCannotBeOpened) {
   Plug("/pedal");
   pipes_.refusal = "cannot be opened (Permission denied)";
   Start({{.path = "/pedal", .name_glob = {}, .grab = false}});
@@ -322,7 +322,7 @@ TEST_F(KeyThreadTest, ARefusalIsTold) {
 }
 
 // The real ports, as far as they can be tested without a device: other files are rejected with a remedy.
-TEST(EvdevPorts, WhatIsNoInputDeviceIsRefused) {
+TEST(EvdevPorts, RejectsFilesThatAreNotInputDevices) {
   const auto ports = MakeEvdevPorts();
   const auto null = ports->Open("/dev/null", false);
   ASSERT_FALSE(null.ok());

@@ -14,7 +14,7 @@ std::size_t Lines(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
-TEST(LineLimit, WritesABurstThenOneLineEachPeriodWithTheNumberLeftOut) {
+TEST(LineLimit, WritesABurstThenOneLinePerPeriodWithOmittedCount) {
   LineLimit limit;
   std::string text;
   for (int i = 0; i < 1000; ++i) limit.Add("client " + std::to_string(i) + " is gone", kSecond_ns, text);
@@ -28,7 +28,7 @@ TEST(LineLimit, WritesABurstThenOneLineEachPeriodWithTheNumberLeftOut) {
   EXPECT_FALSE(limit.holds_back());
 }
 
-TEST(LineLimit, LineThatMayBeWrittenTellsHowManyWereLeftOut) {
+TEST(LineLimit, NextWrittenLineGivesOmittedCount) {
   LineLimit limit;
   std::string text;
   for (int i = 0; i < LineLimit::kBurst + 3; ++i) limit.Add("a line", 0, text);
@@ -37,7 +37,7 @@ TEST(LineLimit, LineThatMayBeWrittenTellsHowManyWereLeftOut) {
   EXPECT_EQ(text, "a line (3 more of these in the last 10 s)\n");
 }
 
-TEST(LineLimit, OneLeftOutIsWrittenAsItWas) {
+TEST(LineLimit, SingleHeldLineIsWrittenUnchanged) {
   LineLimit limit;
   std::string text;
   for (int i = 0; i < LineLimit::kBurst + 1; ++i) limit.Add("line " + std::to_string(i), 0, text);
@@ -46,7 +46,7 @@ TEST(LineLimit, OneLeftOutIsWrittenAsItWas) {
   EXPECT_EQ(text, "line 20\n");
 }
 
-TEST(LineLimit, KindsAreLimitedEachByItself) {
+TEST(LineLimit, EachKindHasItsOwnLimit) {
   LineLimit limit;
   std::string text;
   for (int i = 0; i < 100; ++i) limit.Add("client 1: application \"a" + std::string(i, 'b') + "\"", 0, text);
@@ -55,14 +55,14 @@ TEST(LineLimit, KindsAreLimitedEachByItself) {
   EXPECT_EQ(Lines(text), std::size_t{LineLimit::kBurst} + 1);
 }
 
-TEST(LineLimit, ManyKindsShareALimit) {
+TEST(LineLimit, KindsBeyondTheMaximumShareOneLimit) {
   LineLimit limit;
   std::string text;
   for (std::size_t i = 0; i < 1000; ++i) limit.Add(std::string(1 + i % 150, 'x') + std::string(i / 150, 'y'), 0, text);
   EXPECT_EQ(Lines(text), LineLimit::kMaxKinds + LineLimit::kBurst);
 }
 
-TEST(LineLimit, IdleKindsMakeRoom) {
+TEST(LineLimit, IdleKindsAreReplacedByNewOnes) {
   LineLimit limit;
   std::string text;
   std::int64_t now_ns = 0;
@@ -73,7 +73,7 @@ TEST(LineLimit, IdleKindsMakeRoom) {
   EXPECT_EQ(Lines(text), 10 * LineLimit::kMaxKinds) << "lines that come now and then are all written";
 }
 
-TEST(LineLimit, FloodOfAnyLengthCostsNoMoreThanItsKindsAllow) {
+TEST(LineLimit, FloodWritesNoMoreThanBurstPlusOneLinePerPeriod) {
   LineLimit limit;
   std::string text;
   constexpr std::int64_t kFor_s = 600;

@@ -9,7 +9,7 @@
 namespace omni::daemon {
 namespace test_daemon_options {
 
-TEST(DaemonOptions, TheDefaultsAndGoodFilesAreFine) {
+TEST(DaemonOptions, AcceptsDefaultsAndValidFiles) {
   const test::TempFolder folder;
   EXPECT_EQ(OptionsProblem({}), "");
   RunOptions options{.device = "twin"};
@@ -23,7 +23,7 @@ TEST(DaemonOptions, TheDefaultsAndGoodFilesAreFine) {
   EXPECT_EQ(OptionsProblem(options), "");
 }
 
-TEST(DaemonOptions, EachFileThatCannotBeUsedIsNamedWithItsOption) {
+TEST(DaemonOptions, ErrorsNameTheOptionAndTheFile) {
   const test::TempFolder folder;
   const std::string broken = folder.Write("broken.toml", "= no TOML"), gone = folder.Path("gone/file");
   const struct {

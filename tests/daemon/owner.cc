@@ -18,7 +18,7 @@ TEST(Owner, NobodyOwnsWithoutFocus) {
   EXPECT_EQ(table.Gate(0, 0), loop::ForceGate::kClosed);
 }
 
-TEST(Owner, LastToBecomeFocusedOwns) {
+TEST(Owner, LastClientToGainFocusOwns) {
   OwnerTable table;
   table.Add(1, ClientRole::kApplication);
   table.Add(2, ClientRole::kApplication);
@@ -32,7 +32,7 @@ TEST(Owner, LastToBecomeFocusedOwns) {
   EXPECT_EQ(table.owner(), 1U);
 }
 
-TEST(Owner, FallsBackToTheOneBefore) {
+TEST(Owner, FallsBackToPreviousOwnerWhenOwnerLeaves) {
   OwnerTable table;
   table.Add(1, ClientRole::kApplication);
   table.Add(2, ClientRole::kApplication);
@@ -51,7 +51,7 @@ TEST(Owner, MonitorsNeverOwn) {
   EXPECT_EQ(table.owner(), 0U);
 }
 
-TEST(Owner, SilenceOf250MillisecondsClosesSoftly) {
+TEST(Owner, FadesForceAfter250MillisecondsWithoutHeartbeat) {
   OwnerTable table;
   table.Add(1, ClientRole::kApplication);
   table.SetSession(1, SessionState::kFocused);

@@ -29,7 +29,7 @@ struct AlignedInLocal {
 };
 
 // The base does not move in the world: X_WL X_LB before is X_WL' X_L'B after, for any recentring; once for all clients.
-TEST(DaemonRecentring, RecentringIsFollowedOnceHoweverManyTell) {
+TEST(DaemonRecentring, RecentringReportedByManyClientsIsAppliedOnce) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> any(-1, 1);
   for (int i = 0; i < 50; ++i) {
@@ -67,7 +67,7 @@ TEST(DaemonRecentring, RecentringIsFollowedOnceHoweverManyTell) {
 }
 
 // No person recentres a headset by 20 m: such a change clears TRACKED, and moves nothing.
-TEST(DaemonRecentring, WhatNoRecentringDoesMovesNothing) {
+TEST(DaemonRecentring, ImplausibleRecentringIsNotApplied) {
   AlignedInLocal aligned;
   Listener listener;
   listener.Listen(aligned.placements);
@@ -86,7 +86,7 @@ TEST(DaemonRecentring, WhatNoRecentringDoesMovesNothing) {
 }
 
 // The bound is relative to the measured pose: many steps lead no further than one.
-TEST(DaemonRecentring, ManyStepsLeadNoFurtherThanOne) {
+TEST(DaemonRecentring, TotalRecentringIsBounded) {
   AlignedInLocal aligned;
   std::int64_t now_ns = kNow_ns;
   for (int i = 0; i < 40; ++i) {
@@ -99,7 +99,7 @@ TEST(DaemonRecentring, ManyStepsLeadNoFurtherThanOne) {
 }
 
 // Spaces of OpenXR do not tip over.
-TEST(DaemonRecentring, ATiltIsNoRecentring) {
+TEST(DaemonRecentring, LargeTiltMakesTheAlignmentDoubtful) {
   const auto doubtful_after = [](double angle_rad) {
     AlignedInLocal aligned;
     protocol::SpaceChange change = Moved(0, kNow_ns);
@@ -111,7 +111,7 @@ TEST(DaemonRecentring, ATiltIsNoRecentring) {
   EXPECT_TRUE(doubtful_after(1.1 * protocol::kMostRecentringTilt_rad));
 }
 
-TEST(DaemonRecentring, TheMeasuredPoseComesBack) {
+TEST(DaemonRecentring, RestoreReturnsTheMeasuredPose) {
   const TempFolder temp;
   const std::string path = temp.Path("a.toml");
   protocol::BasePoseCommand restore = Store(kSpaceLocal);
@@ -141,7 +141,7 @@ TEST(DaemonRecentring, TheMeasuredPoseComesBack) {
   EXPECT_FALSE(entry.doubtful);
 }
 
-TEST(DaemonRecentring, AChangeToNobodyKnowsWhereLeavesItDoubtful) {
+TEST(DaemonRecentring, ChangeToAnUnknownOriginMakesTheAlignmentDoubtful) {
   AlignedInLocal aligned;
   protocol::SpaceChange change;
   change.changes_at_ns = 1;
@@ -157,7 +157,7 @@ TEST(DaemonRecentring, AChangeToNobodyKnowsWhereLeavesItDoubtful) {
   EXPECT_TRUE(again.Aligned(2)) << "measured again";
 }
 
-TEST(DaemonRecentring, OfOtherSpacesAndStrangersNothingFollows) {
+TEST(DaemonRecentring, IgnoresChangesOfOtherSpacesAndUnknownClients) {
   const TempFolder temp;
   BasePoses placements(temp.Path("a.toml"));
   ASSERT_TRUE(placements.Do(Store(kSpaceStage), kDate_s).ok);
@@ -172,7 +172,7 @@ TEST(DaemonRecentring, OfOtherSpacesAndStrangersNothingFollows) {
   EXPECT_EQ(placements.file().entries[0].position_space_m.x, 0.1);
 }
 
-TEST(DaemonRecentring, ATimeInTheFarFutureHidesNoLaterChange) {
+TEST(DaemonRecentring, ChangeInTheFarFutureDoesNotHideLaterOnes) {
   AlignedInLocal aligned;
   protocol::SpaceChange change;
   change.pose_valid = 1;

@@ -125,7 +125,7 @@ class SculptThreadTest : public testing::Test {
   std::uint32_t number_ = 0, stroke_ = 0;
 };
 
-TEST_F(SculptThreadTest, IsThereOnlyWhileSomethingIsSculpted) {
+TEST_F(SculptThreadTest, RunsOnlyWhileASculptableSceneExists) {
   EXPECT_FALSE(thread_.running());
   thread_.Add(1, "stone.glb", Stone());
   EXPECT_FALSE(thread_.running());
@@ -146,7 +146,7 @@ TEST_F(SculptThreadTest, IsThereOnlyWhileSomethingIsSculpted) {
   }
 }
 
-TEST_F(SculptThreadTest, AStrokeIsMadeUndoneAndDoneAgain) {
+TEST_F(SculptThreadTest, StrokeCanBeUndoneAndRedone) {
   const auto scene = Lumps(1);
   Begin(scene);
   Stroke(*scene, 0, 0.003);
@@ -163,7 +163,7 @@ TEST_F(SculptThreadTest, AStrokeIsMadeUndoneAndDoneAgain) {
   EXPECT_EQ(Request(SculptAction::kRedo).text, "lump 0: nothing to redo");
 }
 
-TEST_F(SculptThreadTest, WhileAStrokeIsOpenNothingIsTakenBackOrSaved) {
+TEST_F(SculptThreadTest, RejectsUndoRedoAndSaveDuringAStroke) {
   const auto scene = Lumps(1);
   Begin(scene);
   Pull pull(*scene, 0, 1);
@@ -182,7 +182,7 @@ TEST_F(SculptThreadTest, WhileAStrokeIsOpenNothingIsTakenBackOrSaved) {
   EXPECT_LT(Top(*scene), kRadius_m + 1e-6);
 }
 
-TEST_F(SculptThreadTest, ObjectsAreNamedOrTheLastOneIsMeant) {
+TEST_F(SculptThreadTest, UndoDefaultsToTheObjectEditedLast) {
   const auto scene = Lumps(3);
   Begin(scene);
   Stroke(*scene, 2, 0.002);
@@ -197,7 +197,7 @@ TEST_F(SculptThreadTest, ObjectsAreNamedOrTheLastOneIsMeant) {
   EXPECT_NE(unknown.text.find("\"lump 1\" (1)"), std::string::npos) << unknown.text;
 }
 
-TEST_F(SculptThreadTest, TheSceneIsTheOwnersTheOnlyOneOrTheNamedOne) {
+TEST_F(SculptThreadTest, SceneDefaultsToTheOwnersOrTheOnlyOne) {
   EXPECT_NE(Request(SculptAction::kUndo).text.find("no application has a scene with a sculptable object"),
             std::string::npos);
   const auto first = Lumps(1), second = Lumps(2);
@@ -212,7 +212,7 @@ TEST_F(SculptThreadTest, TheSceneIsTheOwnersTheOnlyOneOrTheNamedOne) {
   EXPECT_NE(Request(SculptAction::kEdits, {}, 5).text.find("client 5 has no sculpted scene"), std::string::npos);
 }
 
-TEST_F(SculptThreadTest, SavesWhatIsFelt) {
+TEST_F(SculptThreadTest, SavedFileMatchesTheSculptedSurface) {
   const auto scene = Lumps(2);
   Begin(scene);
   Stroke(*scene, 1, 0.004);
@@ -234,7 +234,7 @@ TEST_F(SculptThreadTest, SavesWhatIsFelt) {
   EXPECT_TRUE(loaded->materials[0].sculpt.enabled);
 }
 
-TEST_F(SculptThreadTest, ARefusedStrokeIsToldOnce) {
+TEST_F(SculptThreadTest, ReportsRepeatedStrokeErrorsOnce) {
   const auto scene = Lumps(1);
   Begin(scene);
   StrokeMessage begin;
@@ -254,7 +254,7 @@ TEST_F(SculptThreadTest, ARefusedStrokeIsToldOnce) {
   for (int k = 0; k < 100; ++k) EXPECT_FALSE(thread_.PopProblem());
 }
 
-TEST_F(SculptThreadTest, MoreThanItCanHoldIsRefusedAtOnce) {
+TEST_F(SculptThreadTest, RejectsRequestsBeyondTheQueueLimit) {
   const auto scene = Lumps(1);
   thread_.Add(1, "lumps.glb", scene);
   std::size_t refused = 0, answered = 0;
@@ -272,7 +272,7 @@ TEST_F(SculptThreadTest, MoreThanItCanHoldIsRefusedAtOnce) {
 
 // Sanitizers watch. A tick that walks the surface all the time, while strokes are made and undone, and the scene
 // comes and goes.
-TEST_F(SculptThreadTest, TheTicksSurfaceIsWholeWhateverIsEdited) {
+TEST_F(SculptThreadTest, TickSeesConsistentSurfaceDuringEdits) {
   const auto scene = Lumps(1);
   thread_.Add(1, "lumps.glb", scene);
   haptics::Random random(11);

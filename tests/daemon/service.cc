@@ -113,7 +113,7 @@ class ServiceTest : public testing::Test {
   std::unique_ptr<loop::TickThread> loop_;
 };
 
-TEST_F(ServiceTest, SceneIsBuiltSwappedInAndDroppedWithTheSession) {
+TEST_F(ServiceTest, SceneIsLoadedAndDroppedWithTheSession) {
   Connect(1, "block 1");
   Focus(1);
   ASSERT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
@@ -125,7 +125,7 @@ TEST_F(ServiceTest, SceneIsBuiltSwappedInAndDroppedWithTheSession) {
 }
 
 // The owner's mapping is active, and keys reach the tick.
-TEST_F(ServiceTest, InputsAreThoseOfTheOwner) {
+TEST_F(ServiceTest, UsesTheOwnersInputMapping) {
   EXPECT_EQ(Status()["inputs"]["mapping"]["menu"], nlohmann::json({"flick"}));
   Connect(1, "keys 1");
   Focus(1);
@@ -152,7 +152,7 @@ TEST_F(ServiceTest, InputsAreThoseOfTheOwner) {
 }
 
 // Of each kind, and only those of the owner.
-TEST_F(ServiceTest, VibrationsOfTheOwnerAreHandedToTheTick) {
+TEST_F(ServiceTest, OnlyTheOwnersVibrationsReachTheTick) {
   Connect(1, "silent 1");
   Connect(2, "silent 2");
   Focus(1);
@@ -188,7 +188,7 @@ TEST_F(ServiceTest, VibrationsOfTheOwnerAreHandedToTheTick) {
   EXPECT_FALSE(haptic().active) << "without focus nothing vibrates";
 }
 
-TEST_F(ServiceTest, EachClientKeepsItsSceneAndTheOwnersIsInTheTick) {
+TEST_F(ServiceTest, TickUsesTheOwnersScene) {
   Connect(1, "block 1");
   Connect(2, "track 1");
   Focus(1);
@@ -207,7 +207,7 @@ TEST_F(ServiceTest, EachClientKeepsItsSceneAndTheOwnersIsInTheTick) {
   EXPECT_TRUE(Status()["clients"].empty());
 }
 
-TEST_F(ServiceTest, ASceneThatDoesNotLoadIsAProblemAndOthersLiveOn) {
+TEST_F(ServiceTest, SceneThatFailsToLoadIsReportedAndOthersStay) {
   Connect(1, "block 1");
   Focus(1);
   ASSERT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
@@ -237,7 +237,7 @@ TEST_F(ServiceTest, UnknownClientsAreIgnored) {
   EXPECT_TRUE(Status()["clients"][0]["owner"]);
 }
 
-TEST_F(ServiceTest, StatusSaysWhatIsThere) {
+TEST_F(ServiceTest, StatusHasAllSectionsAndTheDeviceState) {
   const nlohmann::json status = Status();
   for (const char* key : {"service", "device", "calibration", "clients", "scene", "aligned", "problems", "tick"}) {
     EXPECT_TRUE(status.contains(key)) << key;
@@ -250,7 +250,7 @@ TEST_F(ServiceTest, StatusSaysWhatIsThere) {
   EXPECT_TRUE(loop_->finished());
 }
 
-TEST(ServiceCalibration, StatusSaysWhichOneOrWhyNone) {
+TEST(ServiceCalibration, StatusNamesTheCalibrationOrWhyThereIsNone) {
   config::CalibrationChoice used{.file = config::CalibrationFile{}, .path = "/c/calibration.toml"};
   used.file->date = "2026-11-21T09:00:00Z";
   Service calibrated({.version = "test", .instance = 1, .hull_radius_m = 0.0375, .calibration = used});
@@ -276,7 +276,7 @@ class HeldPenTest : public ServiceTest {
 };
 
 // Sanitizers watch: a scene must not be freed while the tick reads it or is about to take it.
-TEST_F(HeldPenTest, ScenesComeAndGoUnderATickInContact) {
+TEST_F(HeldPenTest, ScenesAreFreedSafelyWhileTheTickIsInContact) {
   std::mt19937 random(7);
   std::uniform_int_distribution<int> wait_us(0, 4000);
   Connect(1, "block 1");

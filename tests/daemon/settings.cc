@@ -62,7 +62,7 @@ class Omnid {
   std::unique_ptr<ipc::Server> server_;
 };
 
-TEST(DaemonSettings, TheFileOfTheApplicationSpeaksToItsLayer) {
+TEST(DaemonSettings, LayerReceivesSettingsFromApplicationFile) {
   Omnid omnid("left");
   const protocol::AppSettings painter = omnid.HeardBy("painter");
   EXPECT_STREQ(painter.profile, "/interaction_profiles/oculus/touch_controller");
@@ -74,7 +74,7 @@ TEST(DaemonSettings, TheFileOfTheApplicationSpeaksToItsLayer) {
   EXPECT_EQ(other.rest_after_s, 0.0f);
 }
 
-TEST(DaemonSettings, WithoutOptionsNothingIsWished) {
+TEST(DaemonSettings, HandIsUnsetWithoutOptions) {
   Omnid omnid("auto");
   EXPECT_EQ(omnid.HeardBy("other").hand, protocol::HandSetting::kUnset);
 }

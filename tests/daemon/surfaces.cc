@@ -81,7 +81,7 @@ class Drawing {
 };
 
 // For readers a surface without a time is not there yet: it gets one even if it never changes.
-TEST(SurfacePoller, ASurfaceAtRestGetsItsTimeOnceTheTickIsThere) {
+TEST(SurfacePoller, SurfaceAtRestGetsATimeOnceTheTickRuns) {
   for (const bool sculpted : {false, true}) {
     Scene scene = haptics::Built(ExtrudableInput());
     if (sculpted) {
@@ -122,7 +122,7 @@ TEST(SurfacePoller, PublishesExtrudedFacesWhenTheyMove) {
   EXPECT_EQ(drawing.generation, 1U) << "one memory for all of it";
 }
 
-TEST(SurfacePoller, PosesOfMovedObjects) {
+TEST(SurfacePoller, PublishesPosesOfMovedObjects) {
   haptics::SceneInput input = haptics::SceneOf(haptics::SoftBallMesh());
   input.objects[0].kinematic = true;
   Drawing drawing(haptics::Built(input));
@@ -136,7 +136,7 @@ TEST(SurfacePoller, PosesOfMovedObjects) {
   EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged);
 }
 
-TEST(SurfacePoller, ASoftBodyThatGetsReadyIsShownInANewMemory) {
+TEST(SurfacePoller, SoftBodyThatBecomesReadyAppearsInANewMemory) {
   Scene scene = haptics::Built(haptics::SceneOf(haptics::SoftBallMesh()));
   const auto live = std::make_shared<haptics::LiveParts>();
   scene.SetLive(live);
@@ -166,7 +166,7 @@ TEST(SurfacePoller, ASoftBodyThatGetsReadyIsShownInANewMemory) {
   EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged);
 }
 
-TEST(SurfacePoller, ASculptedSurfaceThatOutgrowsItsMemoryGetsANewOne) {
+TEST(SurfacePoller, SculptedSurfaceThatOutgrowsItsMemoryGetsANewOne) {
   using namespace haptics::sculpt;
   const haptics::InputObject ball = BumpyBall(8, 0.03);
   Scene scene = haptics::Built(haptics::SceneOf(ball));
@@ -224,7 +224,7 @@ class Notified {
   SurfaceClients clients;
 };
 
-TEST(SurfaceClients, NobodyAsksNothingRuns) {
+TEST(SurfaceClients, NoThreadRunsWithoutARequest) {
   Notified told;
   told.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
   for (int i = 0; i < 20; ++i) told.problem += told.clients.Update(told.scene, 1);
@@ -233,7 +233,7 @@ TEST(SurfaceClients, NobodyAsksNothingRuns) {
 }
 
 // The thread of the one before may not have ended: its memory would never be updated.
-TEST(SurfaceClients, ClientThatAsksAsTheLastOneLeavesGetsAMemoryOfItsOwn) {
+TEST(SurfaceClients, RequestDuringThreadShutdownGetsANewMemory) {
   Notified told;
   told.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
   told.clients.Request(1, true);
@@ -248,7 +248,7 @@ TEST(SurfaceClients, ClientThatAsksAsTheLastOneLeavesGetsAMemoryOfItsOwn) {
   }
 }
 
-TEST(SurfaceClients, EachIsToldOnceAndAgainWhenTheMemoryIsAnother) {
+TEST(SurfaceClients, NotifiesEachClientOncePerMemory) {
   using Messages = std::vector<std::pair<ipc::ClientId, std::uint64_t>>;
   Notified told;
   told.clients.Request(1, true);
@@ -351,7 +351,7 @@ class SurfacesOverTheSocket : public testing::Test {
   std::unique_ptr<loop::TickThread> loop_;
 };
 
-TEST_F(SurfacesOverTheSocket, AreAskedForShownChangedAndTakenBack) {
+TEST_F(SurfacesOverTheSocket, ClientRequestsReceivesAndCancelsSurfaces) {
   const auto monitor = Connect("drawing", protocol::ClientRole::kMonitor);
   monitor->RequestSurfaces(true);  // before there is a connection: sent once there is one
   ASSERT_TRUE(Until({monitor.get()}, [&] { return monitor->surfaces_answered(); })) << monitor->last_error();

@@ -70,7 +70,7 @@ TEST(DaemonVibration, ALaterEventReplacesTheEarlier) {
   EXPECT_EQ(vibration.waveform().id, 4u) << "a stopped vibration is not continued";
 }
 
-TEST(DaemonVibration, AppendedPcmGoesOnAtAnyRate) {
+TEST(DaemonVibration, AppendsPcmOfAnySampleRate) {
   Vibration vibration;
   const std::vector<float> first = Ramp(200, 1), second = Ramp(300, -1);
   vibration.Shape(Pcm(first, 1000, true).haptic(), 10 * kMs);
@@ -91,7 +91,7 @@ TEST(DaemonVibration, AppendedPcmGoesOnAtAnyRate) {
 }
 
 // A stream without end: the window holds what is to come, in its place, and nothing overflows.
-TEST(DaemonVibration, AnEndlessStreamKeepsItsPlaces) {
+TEST(DaemonVibration, EndlessPcmStreamKeepsItsPositions) {
   Vibration vibration;
   std::mt19937 random(2);
   std::int64_t now_ns = 0;
@@ -116,7 +116,7 @@ TEST(DaemonVibration, AnEndlessStreamKeepsItsPlaces) {
   EXPECT_GT(vibration.samples().first, 10'000u);
 }
 
-TEST(DaemonVibration, MoreThanFitsIsDropped) {
+TEST(DaemonVibration, DropsSamplesThatDoNotFit) {
   Vibration vibration;
   for (int i = 0; i < 10; ++i) vibration.Shape(Pcm(std::vector<float>(4000, 1), 1000, true).haptic(), 0);
   EXPECT_EQ(vibration.samples().count, loop::kMaxVibrationSamples);
@@ -125,7 +125,7 @@ TEST(DaemonVibration, MoreThanFitsIsDropped) {
 }
 
 // A tone below half the coils' rate comes through resampling with the gain of a mean over a millisecond.
-TEST(DaemonVibration, ResamplingIsTheMeanOfEachMillisecond) {
+TEST(DaemonVibration, ResamplesToTheMeanOfEachMillisecond) {
   for (const double rate_Hz : {300.0, 999.0, 1000.0, 4410.0, 8000.0, 48000.0}) {
     for (const double tone_Hz : {20.0, 80.0, 120.0}) {
       if (tone_Hz > 0.2 * rate_Hz) continue;

@@ -21,7 +21,7 @@ TEST(VirtualRun, EqualInputsGiveEqualBits) {
   EXPECT_EQ(first.hash, RunSeed(7).hash);
 }
 
-TEST(VirtualRun, AnotherSeedAFlippedCoilOrAnotherSceneChangesTheHash) {
+TEST(VirtualRun, HashDependsOnSeedCoilSignAndScene) {
   const std::uint64_t hash = RunSeed(7).hash;
   EXPECT_NE(hash, RunSeed(8).hash);
   EXPECT_NE(hash, RunSeed(7, true).hash);
@@ -29,7 +29,7 @@ TEST(VirtualRun, AnotherSeedAFlippedCoilOrAnotherSceneChangesTheHash) {
 }
 
 // A change of the last bit of each field changes the hash.
-TEST(TickHash, SeesOneBitOfEveryPart) {
+TEST(TickHash, ChangesWithOneBitOfAnyField) {
   const auto hash_of = [](const base::HallScan& scan, const loop::TickOutput& output) {
     daemon::TickHash hash;
     hash.Add(scan, output);

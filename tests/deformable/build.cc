@@ -73,7 +73,7 @@ TEST(SoftLattice, KeepsSharpEdges) {
   }
 }
 
-TEST(SoftLattice, DefectsOfTheMeshDoNotMatter) {
+TEST(SoftLattice, ToleratesMeshDefects) {
   InputObject mesh = SoftBallMesh();
   const auto whole = BuildTetLattice(mesh.vertices_base_m, mesh.triangles, {.max_tets = 500});
   ASSERT_TRUE(whole.ok());
@@ -87,7 +87,7 @@ TEST(SoftLattice, DefectsOfTheMeshDoNotMatter) {
   EXPECT_NEAR(VolumeOf(*broken) / volume, 1, 0.04);
 }
 
-TEST(SoftLattice, RefusesWhatHasNoInside) {
+TEST(SoftLattice, RejectsMeshesWithoutAnInterior) {
   InputObject sheet = SoftBoxMesh();
   for (Vec3& v : sheet.vertices_base_m) v.z = 0;  // zero thickness
   const auto flat = BuildTetLattice(sheet.vertices_base_m, sheet.triangles, {});
@@ -150,7 +150,7 @@ TEST(SoftBuild, ColumnsAgreeWithTheCompliance) {
   EXPECT_GT(typical, 0);
 }
 
-TEST(SoftBlock, SurvivesATripAndNoDamageGoesUnseen) {
+TEST(SoftBlock, RoundTripsAndDetectsAnyDamage) {
   const auto bytes = SoftBall().bytes();
   const auto again = SoftBody::Load(bytes);
   ASSERT_TRUE(again.ok()) << again.error();
@@ -185,7 +185,7 @@ TEST(SoftBuild, FlatTopIsFlatUpToItsEdge) {
   EXPECT_GT(flat, 5);
 }
 
-TEST(SoftBuild, KeyFollowsEveryInput) {
+TEST(SoftBuild, KeyDependsOnMeshAndOptions) {
   const InputObject mesh = SoftBallMesh();
   const auto key = [&](const InputObject& m, const SoftBodyOptions& o) {
     return SoftBodyKey(m.vertices_base_m, m.triangles, o);
@@ -203,7 +203,7 @@ TEST(SoftBuild, KeyFollowsEveryInput) {
   EXPECT_NE(key(moved, SmallOptions()), original);
 }
 
-TEST(SoftBuild, TellsProgressAndStops) {
+TEST(SoftBuild, ReportsProgressAndStopsWhenCancelled) {
   SoftBodyOptions options = SmallOptions();
   double last = -1;
   int calls = 0;
@@ -219,7 +219,7 @@ TEST(SoftBuild, TellsProgressAndStops) {
   EXPECT_EQ(calls, 4);
 }
 
-TEST(SoftBuild, RefusesOptionsOutOfRange) {
+TEST(SoftBuild, RejectsOptionsOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto refused = [&](auto change) {
     SoftBodyOptions options = SmallOptions();

@@ -77,7 +77,7 @@ TEST(SoftCapacitance, SolvesTheComplementarityProblem) {
   }
 }
 
-TEST(SoftCapacitance, FactorStaysThatOfItsSet) {
+TEST(SoftCapacitance, UpdatedFactorMatchesAFreshOne) {
   Rng rng(22);
   const ContactMatrix a = RandomCompliance(rng);
   ActiveFactor factor;
@@ -104,7 +104,7 @@ TEST(SoftCapacitance, FactorStaysThatOfItsSet) {
   }
 }
 
-TEST(SoftCapacitance, InverseDiagonalIsThatOfTheInverse) {
+TEST(SoftCapacitance, InverseDiagonalMatchesSolves) {
   Rng rng(23);
   const ContactMatrix a = RandomCompliance(rng);
   ActiveFactor factor;
@@ -120,7 +120,7 @@ TEST(SoftCapacitance, InverseDiagonalIsThatOfTheInverse) {
   }
 }
 
-TEST(SoftCapacitance, SingularMatrixIsNoTrap) {
+TEST(SoftCapacitance, SolvesASingularMatrix) {
   ContactMatrix a{};
   for (auto& row : a) row.fill(1);  // rank one
   ContactVector d{};

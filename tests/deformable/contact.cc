@@ -35,7 +35,7 @@ TEST(SoftContactModel, DentAndForceAreInverse) {
   EXPECT_EQ(LocalDent({2e5, 0.004, {}}, kNan), 0);
 }
 
-TEST(SoftContactModel, SmallDentsAreHertz) {
+TEST(SoftContactModel, SmallDentsFollowHertz) {
   const LocalModel model{2e5 / (1 - 0.16), 0.005, GainOf(0.4, 0)};
   const double dent = 0.005 * 1e-6;
   EXPECT_NEAR(LocalForce(model, dent) / (4.0 / 3 * model.modulus_Pa * std::sqrt(0.005) * std::pow(dent, 1.5)), 1, 1e-3);
@@ -53,7 +53,7 @@ TEST(SoftContactModel, DentDoesNotDependOnTheGuess) {
 }
 
 // Firm, soft and overfirm bodies, with and without a spring: the force of a depth is that which goes so deep.
-TEST(SoftContactModel, ForceOfABallAloneGoesToItsDepth) {
+TEST(SoftContactModel, SingleBallForceInvertsItsDepth) {
   std::mt19937_64 rng(31);
   std::uniform_real_distribution<double> any(0, 1);
   for (int trial = 0; trial < 2000; ++trial) {
@@ -94,7 +94,7 @@ TEST(SoftContacts, ForceGrowsWithDepthAndSlopeIsItsDerivative) {
   }
 }
 
-TEST(SoftContacts, SpringInSeriesTakesItsShare) {
+TEST(SoftContacts, SeriesSpringTakesItsShareOfDepth) {
   SoftContact contact = OnBall({0, 0, 1}, 0.003);
   contact.series_compliance_m_N = 1 / 300.0;
   SoftContactState state{};
@@ -122,7 +122,7 @@ TEST(SoftContacts, RelaxesToTheLongTermForce) {
 }
 
 // A ball at one side rocks the body; one at the other side holds it. A neighbour has already moved the surface away.
-TEST(SoftContacts, BallsFeelEachOtherThroughTheBody) {
+TEST(SoftContacts, ContactsInteractThroughTheBody) {
   const double alone_N = LongTermForce(OnBall({0.7, 0, 0.7}, 0.002));
   const auto with = [&](const Vec3& other) {
     SoftContactState state{};
@@ -135,7 +135,7 @@ TEST(SoftContacts, BallsFeelEachOtherThroughTheBody) {
   EXPECT_LT(with({0.7, 0.35, 0.7}), 0.97 * alone_N);
 }
 
-TEST(SoftContacts, SixteenBallsObeyTheirEquations) {
+TEST(SoftContacts, WarmStartMatchesColdSolveForSixteenBalls) {
   std::mt19937_64 rng(8);
   std::normal_distribution<double> normal;
   const SoftBodyView body = SoftBall().view();
@@ -160,7 +160,7 @@ TEST(SoftContacts, SixteenBallsObeyTheirEquations) {
   }
 }
 
-TEST(SoftContacts, NumbersThatAreNoneGiveNoForce) {
+TEST(SoftContacts, InvalidContactsGiveNoForce) {
   const SoftBodyView body = SoftBall().view();
   SoftContactState state{};
   const SoftContact good = OnBall({0, 0, 1}, 0.002);
@@ -219,7 +219,7 @@ TEST(SoftContacts, EqualInputsGiveEqualBits) {
 }
 
 // Where the ball is, the surface goes in by its depth; the rest of it moves less and without steps.
-TEST(SoftSurface, FollowsTheBall) {
+TEST(SoftSurface, DisplacementFollowsTheBall) {
   const SoftBodyView body = SoftBall().view();
   SoftContactState state{};
   const SoftContact contact = OnBall({0.2, -0.1, 1}, 0.002);
@@ -242,7 +242,7 @@ TEST(SoftSurface, FollowsTheBall) {
   EXPECT_FALSE(SurfaceDisplacement(body, state, mesh.vertices_base_m, std::span(drawn).first(5)));
 }
 
-TEST(SoftSurface, LocateFindsTheNearestPlaceFromAnyHint) {
+TEST(SoftSurface, LocateFindsTheNearestPointFromAnyHint) {
   const SoftBodyView body = SoftBall().view();
   std::mt19937_64 rng(9);
   std::normal_distribution<double> normal;

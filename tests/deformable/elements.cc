@@ -32,7 +32,7 @@ std::array<Vec3, 10> NodesOf(const std::array<Vec3, 4>& x) {
 
 double Entry(const Vec3& v, std::size_t a) { return a == 0 ? v.x : (a == 1 ? v.y : v.z); }
 
-TEST(SoftElement, RigidMotionCostsNothingAndStiffnessIsSymmetric) {
+TEST(SoftElement, StiffnessIsSymmetricAndRigidMotionIsForceFree) {
   std::mt19937_64 rng(3);
   const Stiffness6 d = MakeStiffness({2e5, 0.4, 6}, {1, 2, -1});
   for (int trial = 0; trial < 50; ++trial) {
@@ -89,7 +89,7 @@ TEST(SoftElement, UniformStrainHasItsExactEnergy) {
 
 // A box on a clamped base in uniaxial strain: sides held, top pulled. Exact for quadratic elements whatever the
 // lattice.
-TEST(SoftFem, PatchTestUnderUniaxialPull) {
+TEST(SoftFem, PassesTheUniaxialPatchTest) {
   const InputObject mesh = SoftBoxMesh();
   const auto lattice = BuildTetLattice(mesh.vertices_base_m, mesh.triangles, {.max_tets = 400});
   ASSERT_TRUE(lattice.ok());
@@ -118,7 +118,7 @@ TEST(SoftFem, PatchTestUnderUniaxialPull) {
   }
 }
 
-TEST(SoftFem, RefusesNothingAndAllClamped) {
+TEST(SoftFem, RejectsNoneOrAllNodesClamped) {
   const InputObject mesh = SoftBoxMesh();
   const auto lattice = BuildTetLattice(mesh.vertices_base_m, mesh.triangles, {.max_tets = 200});
   ASSERT_TRUE(lattice.ok());
@@ -132,7 +132,7 @@ TEST(SoftFem, RefusesNothingAndAllClamped) {
   EXPECT_FALSE(build(true).ok());
 }
 
-TEST(SoftMaterial, IndentationModulusOfKnownSolids) {
+TEST(SoftMaterial, IndentationModulusMatchesKnownSolids) {
   for (const double nu : {0.0, 0.25, 0.4, 0.49}) {
     const double exact = 2e5 / (1 - nu * nu);
     EXPECT_NEAR(IndentationModulus(MakeStiffness({2e5, nu, 1}, {1, 0, 1}), {0.2, 0.5, 0.8}) / exact, 1, 1e-9);
@@ -147,7 +147,7 @@ TEST(SoftMaterial, IndentationModulusOfKnownSolids) {
   }
 }
 
-TEST(SoftMaterial, RatioOneIsIsotropicWhateverTheFibre) {
+TEST(SoftMaterial, FibreRatioOneIsIsotropic) {
   const Stiffness6 a = MakeStiffness({3e5, 0.35, 1}, {0, 0, 1});
   const Stiffness6 b = MakeStiffness({3e5, 0.35, 1}, {1, 2, 3});
   for (std::size_t i = 0; i < 6; ++i) {

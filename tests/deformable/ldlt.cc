@@ -48,7 +48,7 @@ struct Columns {
   UpperColumns view() const { return {first, row, value}; }
 };
 
-TEST(LdltTest, ItsProductIsTheMatrix) {
+TEST(LdltTest, ProductReproducesTheMatrix) {
   Random random(5);
   for (int round = 0; round < 60; ++round) {
     const auto n = static_cast<std::size_t>(random.Uniform(1, 60));
@@ -77,7 +77,7 @@ TEST(LdltTest, ItsProductIsTheMatrix) {
   }
 }
 
-TEST(LdltTest, RefusesWhatIsNotPositiveDefinite) {
+TEST(LdltTest, RejectsIndefiniteAndNonFiniteMatrices) {
   Random random(6);
   Dense m = RandomMatrix(20, 0.3, random);
   m.At(13, 13) = -1;
@@ -87,7 +87,7 @@ TEST(LdltTest, RefusesWhatIsNotPositiveDefinite) {
   EXPECT_EQ(FactoriseLdlt(Columns(m).view(), {}, f), LdltOutcome::kNotPositive);
 }
 
-TEST(LdltTest, StopsWhenToldToAndSaysHowFarItIs) {
+TEST(LdltTest, ReportsProgressAndStopsWhenCancelled) {
   Random random(7);
   Dense m = RandomMatrix(500, 0.9, random);  // 40 million multiplications
   const Columns columns(m);

@@ -43,7 +43,7 @@ double ModelForce(const Vec3& direction, double depth_m, double stiffness_N_m, d
   return StepSoftContact(SoftBall().view(), contact, tip_m, 1e-3, state).normal_N;
 }
 
-TEST(SoftTouch, RestsWithTheForceOfTheBodyInSeriesWithTheOfferedSpring) {
+TEST(SoftTouch, RestForceMatchesBodyInSeriesWithContactSpring) {
   for (const Vec3& at : {Vec3{0, 0, 1}, Vec3{1, 0.2, 0.3}, Vec3{-0.3, 0.6, 0.5}}) {
     Pen pen(SoftScene(Jelly()));
     const Vec3 n = Normalized(at);
@@ -62,7 +62,7 @@ TEST(SoftTouch, RestsWithTheForceOfTheBodyInSeriesWithTheOfferedSpring) {
 }
 
 // A tip that is a ball presses with its own radius, from where it touches.
-TEST(SoftTouch, ABallPressesWithItsRadius) {
+TEST(SoftTouch, BallTipPressesWithItsOwnRadius) {
   const Vec3 n = base::Normalized({0.2, -0.1, 1});
   Pen pen(SoftScene(Jelly(), false, false, kTip_m));
   pen.Slide(0.04 * n, 0.0325 * n, 300);
@@ -76,7 +76,7 @@ TEST(SoftTouch, ABallPressesWithItsRadius) {
 }
 
 // A body that becomes ready under the pen waits until the contact ends: until then not a bit changes.
-TEST(SoftTouch, IsTakenUpOnlyWhileNothingTouchesIt) {
+TEST(SoftTouch, NewSoftBodyWaitsUntilContactEnds) {
   Pen with(SoftScene(Jelly(), true)), without(SoftScene(Jelly(), true));
   const auto go = [&](double height_m) {
     with.MoveTo({0, 0, height_m});
@@ -97,7 +97,7 @@ TEST(SoftTouch, IsTakenUpOnlyWhileNothingTouchesIt) {
 
 // Slow or fast, along the surface, in and out: the force never jumps, never pulls, ends when the pen is out, and no
 // contact is lost while it is in.
-TEST(SoftTouch, NeverJumpsAndNeverLosesThePen) {
+TEST(SoftTouch, ForceNeverJumpsAndContactIsNeverLost) {
   Random random(83);
   for (const double speed_m_s : {0.02, 0.1, 0.5}) {
     Pen pen(SoftScene(Jelly()));
@@ -129,7 +129,7 @@ TEST(SoftTouch, NeverJumpsAndNeverLosesThePen) {
 }
 
 // Held at a depth the force falls by the relaxing share and stays.
-TEST(SoftTouch, Relaxes) {
+TEST(SoftTouch, ForceRelaxesAtConstantDepth) {
   Pen pen(SoftScene(Jelly()));
   pen.Slide({0, 0, 0.032}, {0, 0, 0.028}, 10);
   const double first_N = pen.output.force_base_N.z;
@@ -142,7 +142,7 @@ TEST(SoftTouch, Relaxes) {
 }
 
 // A soft body that stands elsewhere gives the same forces.
-TEST(SoftTouch, MayBeMoved) {
+TEST(SoftTouch, ForceDoesNotDependOnObjectPose) {
   Pen rest(SoftScene(Jelly(), false, true)), moved(SoftScene(Jelly(), false, true));
   const base::Quat turn{std::cos(0.4), std::sin(0.4) * 0.6, 0, std::sin(0.4) * 0.8};
   const ObjectPose pose{.object = 0, .rotation = turn, .translation_m = {0.05, -0.02, 0.01}};
@@ -158,7 +158,7 @@ TEST(SoftTouch, MayBeMoved) {
 }
 
 // What the body keeps of a contact goes when it ends, when tracking is lost, and with the scene.
-TEST(SoftTouch, ForgetsWhatIsNotTouched) {
+TEST(SoftTouch, StateIsClearedWhenContactEnds) {
   Pen pen(SoftScene(Jelly()));
   pen.Slide({0, 0, 0.032}, {0, 0, 0.028}, 100);
   EXPECT_EQ(pen.state.soft[0].object, 0U);

@@ -20,7 +20,7 @@ wire::Arm Answer(wire::ArmStep step, std::uint32_t nonce = 0) {
   return arm;
 }
 
-TEST(Arming, AsksOncePerAttempt) {
+TEST(Arming, SendsOneRequestPerAttempt) {
   Arming arming;
   wire::Arm sent;
   EXPECT_FALSE(arming.Next(0, sent)) << "nothing is known of the base yet";
@@ -35,7 +35,7 @@ TEST(Arming, AsksOncePerAttempt) {
   EXPECT_EQ(sent.step, wire::ArmStep::kRequest);
 }
 
-TEST(Arming, ConfirmsWithTheNonceOnce) {
+TEST(Arming, ConfirmsOnceWithTheNonceOfTheChallenge) {
   Arming arming;
   wire::Arm sent;
   arming.OnTelemetry(Idle(), 0);
@@ -55,7 +55,7 @@ TEST(Arming, ConfirmsWithTheNonceOnce) {
   EXPECT_FALSE(arming.Next(4, sent));
 }
 
-TEST(Arming, AnswersOutOfPlaceAreRefused) {
+TEST(Arming, RejectsUnsolicitedAnswers) {
   for (const wire::ArmStep step : {wire::ArmStep::kRequest, wire::ArmStep::kChallenge, wire::ArmStep::kConfirm,
                                    wire::ArmStep::kArmed, wire::ArmStep::kRefused}) {
     Arming arming;
@@ -64,7 +64,7 @@ TEST(Arming, AnswersOutOfPlaceAreRefused) {
   }
 }
 
-TEST(Arming, AnArmedBaseWithAFaultGetsNoSetPoints) {
+TEST(Arming, IsNotArmedWhileTelemetryShowsAFault) {
   Arming arming;
   wire::Telemetry telemetry = Idle();
   telemetry.state = wire::State::kArmed;
@@ -74,7 +74,7 @@ TEST(Arming, AnArmedBaseWithAFaultGetsNoSetPoints) {
   EXPECT_TRUE(arming.held());
 }
 
-TEST(Arming, ASelfTestThatRunsRefusesOnlyForNow) {
+TEST(Arming, RefusalForARunningSelfTestIsTemporary) {
   Arming arming;
   wire::Arm sent;
   arming.OnTelemetry(Idle(), 0);
@@ -89,7 +89,7 @@ TEST(Arming, ASelfTestThatRunsRefusesOnlyForNow) {
   EXPECT_TRUE(arming.held()) << "telemetry reports that it failed";
 }
 
-TEST(Arming, TriesAgainAfterThePause) {
+TEST(Arming, RetriesOnlyAfterThePause) {
   Arming arming;
   wire::Arm sent;
   arming.OnTelemetry(Idle(), 0);

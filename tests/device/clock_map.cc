@@ -129,7 +129,7 @@ double WorstError_us(Link& link, ClockMap& map, double from_s, double to_s) {
 class ClockMapDrift : public testing::TestWithParam<double> {};
 
 // Jitter of 0.3 ms there and 1 ms back (means), every command acknowledged: the figures of clock_map.h.
-TEST_P(ClockMapDrift, AsymmetricJitterLeavesTensOfMicroseconds) {
+TEST_P(ClockMapDrift, ErrorFallsBelow25usUnderAsymmetricJitter) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Link link({.drift_ppm = GetParam(), .seed = seed});
     ClockMap map;
@@ -142,7 +142,7 @@ TEST_P(ClockMapDrift, AsymmetricJitterLeavesTensOfMicroseconds) {
   }
 }
 
-TEST_P(ClockMapDrift, QueuesOnTheWayLeaveAboutHalfTheRoundTrip) {
+TEST_P(ClockMapDrift, QueueingErrorStaysWithinAboutHalfTheRoundTrip) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Link link({.drift_ppm = GetParam(), .there = {2000, 500}, .back = {100, 3000}, .seed = seed});
     ClockMap map;
@@ -160,7 +160,7 @@ TEST_P(ClockMapDrift, QueuesOnTheWayLeaveAboutHalfTheRoundTrip) {
   }
 }
 
-TEST_P(ClockMapDrift, LostAcknowledgementsWidenTheError) {
+TEST_P(ClockMapDrift, Losing99PercentOfCommandsKeepsErrorBelow150us) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Link link({.drift_ppm = GetParam(), .lost = 0.99, .seed = seed});
     ClockMap map;
@@ -169,7 +169,7 @@ TEST_P(ClockMapDrift, LostAcknowledgementsWidenTheError) {
   }
 }
 
-TEST_P(ClockMapDrift, WithoutAcknowledgementsItIsTheFastestArrival) {
+TEST_P(ClockMapDrift, WithoutAcknowledgementsMapsByFastestArrival) {
   Link link({.drift_ppm = GetParam()});
   link.Answer(false);
   ClockMap map;
@@ -185,7 +185,7 @@ TEST_P(ClockMapDrift, WithoutAcknowledgementsItIsTheFastestArrival) {
 }
 
 // Ten minutes without a command: the line is extrapolated.
-TEST_P(ClockMapDrift, SilenceIsBridgedByTheSlope) {
+TEST_P(ClockMapDrift, ExtrapolatesThroughTenMinutesWithoutCommands) {
   Link link({.drift_ppm = GetParam()});
   ClockMap map;
   WorstError_us(link, map, 60, 60);
@@ -197,7 +197,7 @@ TEST_P(ClockMapDrift, SilenceIsBridgedByTheSlope) {
   EXPECT_EQ(map.restarts(), 0U);
 }
 
-TEST_P(ClockMapDrift, ResetStartsAnewAndTimeDoesNotGoBack) {
+TEST_P(ClockMapDrift, DeviceResetRestartsMapWithoutTurningTimeBack) {
   Link link({.drift_ppm = GetParam(), .device_start_us = 4'000'000'000});  // the low 32 bits wrap during the test
   ClockMap map;
   EXPECT_LT(WorstError_us(link, map, 10, 320), 25);
@@ -210,7 +210,7 @@ TEST_P(ClockMapDrift, ResetStartsAnewAndTimeDoesNotGoBack) {
   EXPECT_EQ(map.restarts(), 1U);
 }
 
-TEST_P(ClockMapDrift, LeapsAreNoticedInEitherDirection) {
+TEST_P(ClockMapDrift, DetectsClockLeapsInEitherDirection) {
   for (const double leap_us : {-5'000'000.0, -8'000.0, 8'000.0, 5'000'000.0}) {
     Link link({.drift_ppm = GetParam()});
     ClockMap map;
@@ -226,7 +226,7 @@ TEST_P(ClockMapDrift, LeapsAreNoticedInEitherDirection) {
 INSTANTIATE_TEST_SUITE_P(Crystals, ClockMapDrift, testing::Values(-100.0, -50.0, 0.0, 50.0, 100.0));
 
 // The host's process was stopped: frames arrive late, the device's clock is unaffected.
-TEST(ClockMap, LateHostIsNoReset) {
+TEST(ClockMap, DelayedFramesDoNotRestartTheMap) {
   Link link({.drift_ppm = 40});
   ClockMap map;
   WorstError_us(link, map, 10, 10);
@@ -237,7 +237,7 @@ TEST(ClockMap, LateHostIsNoReset) {
   EXPECT_EQ(map.restarts(), 0U);
 }
 
-TEST(ClockMap, FirstReadingIsItsArrival) {
+TEST(ClockMap, FirstReadingMapsToItsArrivalTime) {
   ClockMap map;
   EXPECT_EQ(map.HostTime_ns(5), 0);
   EXPECT_EQ(map.Add({.t_device_us = 7'000, .received_ns = 123'456'789}), 123'456'789);
@@ -246,7 +246,7 @@ TEST(ClockMap, FirstReadingIsItsArrival) {
   EXPECT_EQ(map.HostTime_ns(~std::uint64_t{0}), 0) << "an impossible instant";
 }
 
-TEST(ClockMap, ExactMidpointOfOneAcknowledgement) {
+TEST(ClockMap, SingleAcknowledgementMapsToTheExactMidpoint) {
   ClockMap map;
   // Out at 1000 us, in at device 50 400 us, telemetry of 50 600 us, back at 2000 us: offset -49 000 us.
   map.Add({.t_device_us = 50'600, .received_ns = 2'000'000, .ack_host_us = 1'000, .ack_rx_device_us = 50'400});
@@ -255,7 +255,7 @@ TEST(ClockMap, ExactMidpointOfOneAcknowledgement) {
   EXPECT_EQ(map.HostTime_ns(50'600), 1'600'000);
 }
 
-TEST(ClockMap, AcknowledgementsThatCannotBeAreCountedAndChangeNothing) {
+TEST(ClockMap, CountsAndIgnoresImpossibleReadings) {
   ClockMap map;
   const ClockReading good{.t_device_us = 50'000, .received_ns = 3'000'000'000};
   const std::int64_t before_ns = map.Add(good);
@@ -279,7 +279,7 @@ TEST(ClockMap, AcknowledgementsThatCannotBeAreCountedAndChangeNothing) {
 }
 
 // Random contents with a valid CRC: whatever the device sends, mapped times increase and stay near the host's.
-TEST(ClockMap, LyingDeviceCannotTurnTimeBack) {
+TEST(ClockMap, RandomReadingsNeverTurnTimeBack) {
   std::mt19937_64 random(3);
   ClockMap map;
   std::int64_t now_ns = kSecond_ns;

@@ -157,12 +157,12 @@ class TransportContract : public testing::TestWithParam<Row> {
   Opened opened_;
 };
 
-TEST_P(TransportContract, NamesItselfAndSaysThatItIsSimulated) {
+TEST_P(TransportContract, InfoHasNameAndSimulationFlag) {
   EXPECT_FALSE(opened_.link->info().name.empty());
   EXPECT_TRUE(opened_.link->info().simulation);
 }
 
-TEST_P(TransportContract, ScansAreInOrderAndSane) {
+TEST_P(TransportContract, ScansAreOrderedAndPlausible) {
   base::HallScan before;
   base::HallScan scan;
   for (int i = 0; i < 50; ++i) {
@@ -183,7 +183,7 @@ TEST_P(TransportContract, ScansAreInOrderAndSane) {
   EXPECT_EQ(opened_.link->counters().bad_frames, 0U);
 }
 
-TEST_P(TransportContract, HasNoFaultOnceItIsCommanded) {
+TEST_P(TransportContract, FaultsClearOnceCommandsArrive) {
   base::HallScan scan;
   ASSERT_EQ(opened_.link->Read(scan, kPatience_ns), ReadStatus::kScan);
   EXPECT_NE(scan.device_faults, 0U);
@@ -196,7 +196,7 @@ TEST_P(TransportContract, HasNoFaultOnceItIsCommanded) {
   EXPECT_TRUE(cleared);
 }
 
-TEST_P(TransportContract, CommandedCurrentsFlow) {
+TEST_P(TransportContract, ReachesTheCommandedCurrents) {
   base::HallScan scan;
   const base::CoilCurrents wanted{{0.5, -1, 2}};
   bool reached = false;
@@ -210,7 +210,7 @@ TEST_P(TransportContract, CommandedCurrentsFlow) {
   EXPECT_TRUE(reached);
 }
 
-TEST_P(TransportContract, BadSetPointsAreRefused) {
+TEST_P(TransportContract, WriteRejectsInvalidSetPoints) {
   const std::uint64_t sent = opened_.link->counters().sent;
   EXPECT_FALSE(opened_.link->Write({{std::nan(""), 0, 0}}));
   EXPECT_FALSE(opened_.link->Write({{0, 0, INFINITY}}));
@@ -219,7 +219,7 @@ TEST_P(TransportContract, BadSetPointsAreRefused) {
   EXPECT_EQ(opened_.link->counters().send_failed, 3U);
 }
 
-TEST_P(TransportContract, AnyThreadReadsTheCounters) {
+TEST_P(TransportContract, CountersAreReadableFromAnyThread) {
   std::atomic<bool> done{false};
   std::thread reader([&] {
     std::uint64_t received = 0;
@@ -237,7 +237,7 @@ TEST_P(TransportContract, AnyThreadReadsTheCounters) {
 }
 
 // Silence is a fault that ends by itself when the host returns.
-TEST_P(TransportContract, SilentHostIsAFaultUntilItComesBack) {
+TEST_P(TransportContract, HostSilenceFaultClearsWhenCommandsResume) {
   if (!GetParam().has_watchdog) return;
   base::HallScan scan;
   const auto until = [&](std::uint32_t faults, bool commands) {
@@ -256,7 +256,7 @@ TEST_P(TransportContract, SilentHostIsAFaultUntilItComesBack) {
 INSTANTIATE_TEST_SUITE_P(AllTransports, TransportContract, testing::ValuesIn(kTransports),
                          [](const testing::TestParamInfo<Row>& row) { return std::string(row.param.name); });
 
-TEST(SpawnedTwin, CannotBeStarted) {
+TEST(SpawnedTwin, ErrorsSayWhyTheTwinDidNotStart) {
   const auto missing = sim::SpawnTwin("/nonexistent/omni", {});
   ASSERT_FALSE(missing.ok());
   EXPECT_NE(missing.error().find("/nonexistent/omni: the twin cannot be started"), std::string::npos);
@@ -293,14 +293,14 @@ TEST(SpawnedTwin, OutlivesItsHostAndRecordsZeroCurrents) {
   EXPECT_GT(peak_A, 4.9);
 }
 
-TEST(ServedTwin, RefusesWhatIsNotASeqpacketSocket) {
+TEST(ServedTwin, RejectsDescriptorsThatAreNotSeqpacketSockets) {
   testing::internal::CaptureStderr();
   EXPECT_NE(sim::ServeTwin(support::NominalDevice(), Options(), STDIN_FILENO, 0), 0);
   EXPECT_NE(testing::internal::GetCapturedStderr().find("is not a seqpacket socket"), std::string::npos);
 }
 
 // Only a valid command feeds the watchdog.
-TEST(ServedTwin, GarbageDoesNotKeepTheCoilsAlive) {
+TEST(ServedTwin, InvalidFramesAreRejectedAndNeverEnableTheCoils) {
   int ends[2] = {-1, -1};
   ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
   std::thread server([fd = ends[1]] {

@@ -30,7 +30,7 @@ TEST(DeviceInfo, FromHello) {
   EXPECT_EQ(info->calibration_hash, 9U);
 }
 
-TEST(DeviceInfo, FullLengthAndHostileSerials) {
+TEST(DeviceInfo, SerialsMayFillTheFieldAndAreMadePrintable) {
   wire::Hello hello = GoodHello();
   std::memcpy(hello.serial, "0123456789abcdef", 16);
   EXPECT_EQ(InfoFromHello(hello)->serial, "0123456789abcdef");
@@ -39,7 +39,7 @@ TEST(DeviceInfo, FullLengthAndHostileSerials) {
   EXPECT_EQ(InfoFromHello(hello)->serial, "012??56789abcdef") << "control characters never reach a terminal";
 }
 
-TEST(DeviceInfo, OtherProtocolAndOwnClockAreRefusedWithARemedy) {
+TEST(DeviceInfo, RejectsOtherProtocolsAndUnmappedClocks) {
   wire::Hello hello = GoodHello();
   hello.version_min = 2;
   hello.version_max = 3;
@@ -53,7 +53,7 @@ TEST(DeviceInfo, OtherProtocolAndOwnClockAreRefusedWithARemedy) {
   EXPECT_NE(info.error().find("CLOCK_MONOTONIC"), std::string::npos) << info.error();
 }
 
-TEST(DeviceInfo, OwnClockIsFineWhereATransportMapsIt) {
+TEST(DeviceInfo, AcceptsDeviceClockWhereTheTransportMapsIt) {
   wire::Hello hello = GoodHello();
   EXPECT_TRUE(InfoFromHello(hello)->clock_is_host);
   EXPECT_FALSE(InfoFromHello(hello)->arming);
@@ -95,7 +95,7 @@ TEST(Scan, FromTelemetry) {
   EXPECT_EQ(scan.device_faults, wire::kFaultHallSensor);
 }
 
-TEST(Sequence, ContinuesOverTheWrapAndCountsGaps) {
+TEST(Sequence, ContinuesAcrossTheWrapAndCountsGaps) {
   SequenceCounter counter;
   EXPECT_TRUE(counter.Advance(65534));
   EXPECT_TRUE(counter.Advance(65535));

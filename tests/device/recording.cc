@@ -46,7 +46,7 @@ void SealHeader(FileBytes& bytes) {
   PutU32(bytes, kRecordingHeaderSize - 4, wire::Crc32c(data, kRecordingHeaderSize - 4));
 }
 
-TEST(DeviceRecording, ScansComeBackBitForBit) {
+TEST(DeviceRecording, ScansRoundTripBitForBit) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
   const std::vector<base::HallScan> scans = support::RecordTwin(path, 300);
@@ -56,7 +56,7 @@ TEST(DeviceRecording, ScansComeBackBitForBit) {
   for (std::size_t i = 0; i < scans.size(); ++i) ASSERT_TRUE(support::SameBits(scans[i], back[i].scan)) << i;
 }
 
-TEST(DeviceRecording, NumbersThatAreNotFiniteSurvive) {
+TEST(DeviceRecording, NonFiniteNumbersRoundTrip) {
   base::HallScan scan;
   scan.t_ns = std::numeric_limits<std::int64_t>::min();
   scan.sequence = ~std::uint64_t{0};
@@ -75,7 +75,7 @@ TEST(DeviceRecording, NumbersThatAreNotFiniteSurvive) {
   EXPECT_FALSE(DecodeRecord(view, command)) << "another kind";
 }
 
-TEST(DeviceRecording, SummaryOfAWholeFile) {
+TEST(DeviceRecording, SummaryDescribesACompleteFile) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
   {
@@ -109,7 +109,7 @@ TEST(DeviceRecording, SummaryOfAWholeFile) {
   EXPECT_EQ(summary->bytes, support::ReadBytes(path).size());
 }
 
-TEST(DeviceRecording, GapsAndStampsThatGoBackAreCounted) {
+TEST(DeviceRecording, SummaryCountsGapsAndBackwardStamps) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
   {
@@ -134,7 +134,7 @@ TEST(DeviceRecording, GapsAndStampsThatGoBackAreCounted) {
 }
 
 // Cut anywhere: the records before the cut are read, and the message names the byte at which the file ends.
-TEST(DeviceRecording, FilesThatWereCutOffAreGoodUpToThere) {
+TEST(DeviceRecording, TruncatedFileIsReadableUpToTheCut) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
   support::RecordTwin(path, 3);
@@ -159,7 +159,7 @@ TEST(DeviceRecording, FilesThatWereCutOffAreGoodUpToThere) {
 }
 
 // Every damaged byte is detected; the message names the record that contains it.
-TEST(DeviceRecording, EveryDamagedByteIsFound) {
+TEST(DeviceRecording, DetectsDamageToAnyByte) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
   support::RecordTwin(path, 3);
@@ -183,7 +183,7 @@ TEST(DeviceRecording, EveryDamagedByteIsFound) {
   }
 }
 
-TEST(DeviceRecording, OtherFilesAndFormatsAreRefusedWithARemedy) {
+TEST(DeviceRecording, RejectsOtherFilesAndFormatsWithRemedy) {
   const test::TempFolder folder;
   EXPECT_NE(Refusal(folder.Path("nothing")).find("No such file"), std::string::npos);
   EXPECT_NE(Refusal(folder.Path()).find("cannot be read"), std::string::npos) << "a folder";
@@ -211,7 +211,7 @@ TEST(DeviceRecording, OtherFilesAndFormatsAreRefusedWithARemedy) {
   EXPECT_NE(Refusal(path).find("the header is damaged"), std::string::npos) << Refusal(path);
 }
 
-TEST(DeviceRecording, RecordsOfANewerKindAreSkipped) {
+TEST(DeviceRecording, SkipsRecordsOfUnknownKind) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
   support::RecordTwin(path, 2);
@@ -226,7 +226,7 @@ TEST(DeviceRecording, RecordsOfANewerKindAreSkipped) {
   EXPECT_TRUE(summary->ended);
 }
 
-TEST(DeviceRecorder, CannotBeOpened) {
+TEST(DeviceRecorder, OpenErrorNamesPathAndCause) {
   const auto missing = DeviceRecorder::Open("/nonexistent/device.rec", {});
   ASSERT_FALSE(missing.ok());
   EXPECT_NE(missing.error().find("/nonexistent/device.rec: the recording cannot be written: No such file"),
@@ -237,7 +237,7 @@ TEST(DeviceRecorder, CannotBeOpened) {
 }
 
 // Faster than any writer: Add never waits, and every lost record is counted.
-TEST(DeviceRecorder, WhatFindsTheRingFullIsCounted) {
+TEST(DeviceRecorder, CountsRecordsLostToAFullRing) {
   constexpr std::uint64_t kRecords = 200'000;
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
@@ -258,7 +258,7 @@ TEST(DeviceRecorder, WhatFindsTheRingFullIsCounted) {
 }
 
 // A full disk, simulated by a limit on the size of files.
-TEST(DeviceRecorder, FullDiskEndsTheRecordingAndSaysSo) {
+TEST(DeviceRecorder, FullDiskEndsTheRecordingWithAnError) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
   auto recorder = DeviceRecorder::Open(path, {});

@@ -24,7 +24,7 @@ std::unique_ptr<ReplayTransport> Replay(const std::string& path, ReplayPace pace
 // As RecordTwin commanded after scan `i`.
 base::CoilCurrents Commanded(std::size_t i) { return {{0.25, -0.5, 1e-3 * static_cast<double>(i + 1)}}; }
 
-TEST(Replay, FastGivesTheScansBackBitForBit) {
+TEST(Replay, FastPaceReproducesScansBitForBit) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
   const std::vector<base::HallScan> scans = support::RecordTwin(path, 500);
@@ -44,7 +44,7 @@ TEST(Replay, FastGivesTheScansBackBitForBit) {
   EXPECT_EQ(replay->counters().received, 500U);
 }
 
-TEST(Replay, CommandsAreComparedAndCounted) {
+TEST(Replay, ComparesCommandsWithTheRecording) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
   support::RecordTwin(path, 4);
@@ -85,7 +85,7 @@ std::string RecordedAtIntervals(const test::TempFolder& folder) {
   return path;
 }
 
-TEST(Replay, InTimeKeepsIntervalsAndDelays) {
+TEST(Replay, RecordedPaceKeepsIntervalsAndDelays) {
   const test::TempFolder folder;
   const std::string path = RecordedAtIntervals(folder);
   const auto replay = Replay(path, ReplayPace::kRecorded);
@@ -110,7 +110,7 @@ TEST(Replay, InTimeKeepsIntervalsAndDelays) {
   EXPECT_EQ(replay->Read(scan, 0), ReadStatus::kEnd);
 }
 
-TEST(Replay, ReplayOfAReplayIsTheSame) {
+TEST(Replay, RecordingOfAReplayEqualsTheOriginal) {
   const test::TempFolder folder;
   const std::string first = folder.Path("first.rec");
   const std::string second = folder.Path("second.rec");
@@ -132,7 +132,7 @@ TEST(Replay, ReplayOfAReplayIsTheSame) {
   }
 }
 
-TEST(Replay, RefusesWhatHoldsNoScan) {
+TEST(Replay, RejectsRecordingsWithoutScans) {
   const test::TempFolder folder;
   const std::string path = folder.Path("device.rec");
   ASSERT_TRUE(DeviceRecorder::Open(path, {}).ok());

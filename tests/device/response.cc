@@ -15,7 +15,7 @@ wire::Telemetry Acknowledges(std::uint16_t seq, std::uint64_t at_us) {
   return telemetry;
 }
 
-TEST(ResponseTime, ReachesWhatOneAnswerInAHundredIsLaterThan) {
+TEST(ResponseTime, ConvergesNearThe99thPercentileOfDelays) {
   for (const std::uint64_t start_us : {std::uint64_t{5}, std::uint64_t{0xFFFFFFF0}}) {  // the stamps wrap
     ResponseTime response;
     std::mt19937 random(3);
@@ -34,7 +34,7 @@ TEST(ResponseTime, ReachesWhatOneAnswerInAHundredIsLaterThan) {
   }
 }
 
-TEST(ResponseTime, CountsEachAnswerOnceAndNothingElse) {
+TEST(ResponseTime, UsesEachAnswerOnceAndIgnoresUnrelatedOnes) {
   ResponseTime response;
   EXPECT_EQ(response.late_ns(), 0);
   response.OnTelemetry(Acknowledges(0, 5000));

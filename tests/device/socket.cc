@@ -81,7 +81,7 @@ TEST(SocketTransport, InfoComesFromHello) {
   EXPECT_FALSE(transport->info().virtual_time);
 }
 
-TEST(SocketTransport, NewestWinsAndTheRestIsCounted) {
+TEST(SocketTransport, ReadReturnsNewestScanAndCountsTheRest) {
   Peer peer;
   const auto transport = peer.Connect();
   for (std::uint16_t seq = 1; seq <= 5; ++seq) peer.Send(TelemetryFrame(seq, 1000U * seq));
@@ -96,7 +96,7 @@ TEST(SocketTransport, NewestWinsAndTheRestIsCounted) {
   EXPECT_EQ(transport->Read(scan, kShort_ns), ReadStatus::kTimeout);
 }
 
-TEST(SocketTransport, BadFramesAreCountedAndDoNotHideGoodOnes) {
+TEST(SocketTransport, CountsBadFramesAndReadsTheGoodOnes) {
   Peer peer;
   const auto transport = peer.Connect();
   Frame corrupt = TelemetryFrame(1, 1000);
@@ -113,7 +113,7 @@ TEST(SocketTransport, BadFramesAreCountedAndDoNotHideGoodOnes) {
   EXPECT_EQ(transport->counters().received, 1U);
 }
 
-TEST(SocketTransport, UnknownTypesAndSecondHelloAreIgnored) {
+TEST(SocketTransport, IgnoresUnknownTypesAndASecondHello) {
   Peer peer;
   const auto transport = peer.Connect();
   peer.Send(HelloFrame(GoodHello()));
@@ -127,7 +127,7 @@ TEST(SocketTransport, UnknownTypesAndSecondHelloAreIgnored) {
   EXPECT_EQ(transport->counters().bad_frames, 0U);
 }
 
-TEST(SocketTransport, WriteSendsACommandThatTheDeviceAccepts) {
+TEST(SocketTransport, WriteSendsAValidCommand) {
   Peer peer;
   const auto transport = peer.Connect();
   peer.Send(TelemetryFrame(1, 4242));
@@ -151,7 +151,7 @@ TEST(SocketTransport, WriteSendsACommandThatTheDeviceAccepts) {
   EXPECT_EQ(command.time_to_live_ms, wire::kTimeToLiveMax_ms) << "zero current: a resting tick keeps the base armed";
 }
 
-TEST(SocketTransport, ArmsABaseThatAsksForIt) {
+TEST(SocketTransport, RequestsArmingWhereTheBaseRequiresIt) {
   Peer peer;
   wire::Hello hello = GoodHello();
   hello.capabilities |= wire::kArming;
@@ -167,7 +167,7 @@ TEST(SocketTransport, ArmsABaseThatAsksForIt) {
   EXPECT_EQ(arm.step, wire::ArmStep::kRequest);
 }
 
-TEST(SocketTransport, BadSetPointsNeverLeave) {
+TEST(SocketTransport, NeverSendsInvalidSetPoints) {
   Peer peer;
   const auto transport = peer.Connect();
   EXPECT_FALSE(transport->Write({{std::nan(""), 0, 0}}));
@@ -190,7 +190,7 @@ TEST(SocketTransport, LastScanIsDeliveredBeforeGone) {
   EXPECT_FALSE(transport->Write({{0, 0, 0}}));
 }
 
-TEST(SocketTransport, WriteToADeviceThatDoesNotReadNeverWaits) {
+TEST(SocketTransport, WriteNeverBlocksOnAFullSocket) {
   Peer peer;
   const auto transport = peer.Connect();
   int accepted = 0;
@@ -199,7 +199,7 @@ TEST(SocketTransport, WriteToADeviceThatDoesNotReadNeverWaits) {
   EXPECT_EQ(transport->counters().send_failed, 1U);
 }
 
-TEST(SocketTransport, FloodDoesNotHoldTheReader) {
+TEST(SocketTransport, ReadReturnsDespiteAFloodOfFrames) {
   Peer peer;
   const auto transport = peer.Connect();
   std::uint16_t seq = 0;
@@ -211,7 +211,7 @@ TEST(SocketTransport, FloodDoesNotHoldTheReader) {
   EXPECT_EQ(transport->Read(scan, kPatience_ns), ReadStatus::kScan);
 }
 
-TEST(SocketTransportOpening, ErrorsSayWhatIsWrong) {
+TEST(SocketTransportOpening, ErrorsNameTheCause) {
   {
     Peer silent;
     const auto transport = MakeSocketTransport(std::move(silent.ours), "silent", kShort_ns);

@@ -19,31 +19,31 @@ void ExpectHas(const std::string& text, std::initializer_list<const char*> parts
   for (const char* part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << " not in: " << text;
 }
 
-TEST(ChooseUsbBase, TheOnlyOneNeedsNoSerial) {
+TEST(ChooseUsbBase, PicksTheOnlyBaseOrTheNamedOne) {
   EXPECT_EQ(ChooseUsbBase({Base("A17", "1-1")}, "")->serial, "A17");
   EXPECT_EQ(ChooseUsbBase({Base("A17", "1-1"), Base("B2", "1-2")}, "B2")->port, "1-2");
 }
 
-TEST(ChooseUsbBase, NoneSaysSo) {
+TEST(ChooseUsbBase, ErrorWhenNoBaseIsConnected) {
   ExpectHas(ChooseUsbBase({}, "").error(), {"no Omni base on USB", "connect it"});
   ExpectHas(ChooseUsbBase({}, "A17").error(), {"looked for A17"});
 }
 
-TEST(ChooseUsbBase, TwoAreNamedWithHowToChoose) {
+TEST(ChooseUsbBase, AmbiguityErrorListsSerialsAndTheOption) {
   ExpectHas(ChooseUsbBase({Base("A17", "1-1"), Base("B2", "1-2")}, "").error(),
             {"2 Omni bases", "A17", "B2", "--device usb:SERIAL"});
 }
 
-TEST(ChooseUsbBase, AnotherSerialNamesThoseThatAreThere) {
+TEST(ChooseUsbBase, UnknownSerialErrorListsConnectedBases) {
   ExpectHas(ChooseUsbBase({Base("A17", "1-1"), Base("", "1-2.3")}, "C3").error(),
             {"no Omni base with serial C3", "A17", "without a serial at port 1-2.3"});
 }
 
-TEST(ChooseUsbBase, TwoOfTheSameSerialAreNotGuessed) {
+TEST(ChooseUsbBase, RejectsDuplicateSerials) {
   ExpectHas(ChooseUsbBase({Base("A17", "1-1"), Base("A17", "1-2")}, "A17").error(), {"disconnect all but one"});
 }
 
-TEST(UsbPermission, NamesTheRuleAndUdevadm) {
+TEST(UsbPermission, HelpNamesUdevRuleAndCommands) {
   ExpectHas(UsbPermissionHelp("/dev/bus/usb/001/005"),
             {"/dev/bus/usb/001/005", "manifests/udev/70-omni.rules", "/etc/udev/rules.d/", "udevadm control --reload",
              "udevadm trigger"});
@@ -64,7 +64,7 @@ class Proc {
   const test::TempFolder folder_;
 };
 
-TEST(HoldersOf, FindsWhoHasTheNodeOpen) {
+TEST(HoldersOf, FindsProcessesThatHaveTheNodeOpen) {
   const Proc proc;
   proc.Add("120", "omnid", "/dev/bus/usb/001/005");
   proc.Add("15", "omni", "/dev/bus/usb/001/005");

@@ -174,7 +174,7 @@ std::unique_ptr<UsbSession> Open(Liar& liar) {
   return session;
 }
 
-TEST(UsbSessionFuzz, AnyFramesAnyCurrents) {
+TEST(UsbSessionFuzz, ArbitraryFramesNeverCauseInvalidCommands) {
   Liar liar(20261121);
   std::unique_ptr<UsbSession> session = Open(liar);
   std::uint64_t scans = 0, drives = 0, refused = 0, reopened = 0, notes = 0;
@@ -212,7 +212,7 @@ TEST(UsbSessionFuzz, AnyFramesAnyCurrents) {
 }
 
 // The same before HELLO: only a valid HELLO is accepted, and only requests are sent.
-TEST(UsbSessionFuzz, AnythingBeforeHello) {
+TEST(UsbSessionFuzz, SendsNoSetPointsBeforeHello) {
   Liar liar(7);
   for (int run = 0; run < 200; ++run) {
     UsbSession session;

@@ -12,7 +12,7 @@ using test::FakeUsbBus;
 constexpr std::int64_t kListen_ns =
     300'000'000;  // on a busy machine the base may run only a few milliseconds in that time
 
-TEST(UsbProbe, SaysWhoItIsAndWhatItMeasures) {
+TEST(UsbProbe, ReportsIdentityTelemetryAndKeptFault) {
   FakeUsbBus bus(true);
   FakeUsbBus::Entry& entry = bus.Add("A17");
   entry.base.keeps_fault = true;
@@ -31,7 +31,7 @@ TEST(UsbProbe, SaysWhoItIsAndWhatItMeasures) {
   EXPECT_TRUE(entry.base.commands.empty());
 }
 
-TEST(UsbProbe, ArmsWhenAskedToAndSendsNoCurrent) {
+TEST(UsbProbe, ArmsOnRequestWithoutCommandingCurrent) {
   FakeUsbBus bus(true);
   FakeUsbBus::Entry& entry = bus.Add("A17");
   entry.base.state = wire::State::kFault;
@@ -43,7 +43,7 @@ TEST(UsbProbe, ArmsWhenAskedToAndSendsNoCurrent) {
   for (const wire::Command& command : entry.base.commands) EXPECT_EQ(command.mode, wire::Mode::kOff);
 }
 
-TEST(UsbProbe, SaysWhatRefusesToArm) {
+TEST(UsbProbe, ReportsTheFaultThatRefusesArming) {
   FakeUsbBus bus(true);
   FakeUsbBus::Entry& entry = bus.Add("A17");
   entry.base.refuses_arm = wire::kFaultSupplyLow;
@@ -53,7 +53,7 @@ TEST(UsbProbe, SaysWhatRefusesToArm) {
   EXPECT_EQ(probe->refused_by, wire::kFaultSupplyLow);
 }
 
-TEST(UsbProbe, ArmsAfterASelfTestThatComesFirst) {
+TEST(UsbProbe, ArmsAfterAPendingSelfTest) {
   FakeUsbBus bus(true);
   FakeUsbBus::Entry& entry = bus.Add("A17");
   entry.base.self_test_ticks = 300;
@@ -74,7 +74,7 @@ TEST(UsbProbe, ErrorsNameTheBase) {
   EXPECT_EQ(ProbeUsbBase(bus, entry.listed, {}).error(), "usb base A17: held");
 }
 
-TEST(UsbProbe, EndpointZeroNeedsNoLink) {
+TEST(UsbProbe, EndpointZeroRequestsWorkWithoutClaiming) {
   FakeUsbBus bus;
   FakeUsbBus::Entry& entry = bus.Add("A17");
   entry.open_error = "another program holds it";

@@ -47,7 +47,7 @@ std::string Hex(std::uint16_t number) {
   return text;
 }
 
-TEST(UdevRule, GivesTheSeatsUserTheBaseAndNothingElse) {
+TEST(UdevRule, GrantsTheSeatUserAccessToTheBaseOnly) {
   const std::vector<Rule> rules = ReadRules();
   ASSERT_EQ(rules.size(), 1U);
   const Rule expected{{"SUBSYSTEM==", "usb"},

@@ -56,13 +56,13 @@ class UsbSessionTest : public testing::Test {
   FakeUsbLink link_;
 };
 
-TEST_F(UsbSessionTest, HelloComesWhenAskedFor) {
+TEST_F(UsbSessionTest, ReceivesHelloOnRequest) {
   Begin();
   EXPECT_EQ(base_.seqs.size(), 1U);
   EXPECT_EQ(InfoFromHello(session_.hello(), Clocks::kAny)->serial, "A17");
 }
 
-TEST_F(UsbSessionTest, HelloThatDoesNotComeIsAskedForAgainAndGivenUp) {
+TEST_F(UsbSessionTest, RepeatsHelloRequestAndTimesOut) {
   base_.answers_hello = false;
   session_.Attach(link_);
   ASSERT_TRUE(link_.Start(session_).ok());
@@ -72,7 +72,7 @@ TEST_F(UsbSessionTest, HelloThatDoesNotComeIsAskedForAgainAndGivenUp) {
   EXPECT_GT(session_.NextFrame(base::MonotonicNow_ns() + 200'000'000, again.data(), again.size()), 0U);
 }
 
-TEST_F(UsbSessionTest, NothingIsActedUponBeforeBegin) {
+TEST_F(UsbSessionTest, IgnoresTelemetryBeforeBegin) {
   session_.Attach(link_);
   ASSERT_TRUE(link_.Start(session_).ok());
   link_.Step();
@@ -82,7 +82,7 @@ TEST_F(UsbSessionTest, NothingIsActedUponBeforeBegin) {
   EXPECT_TRUE(base_.commands.empty());
 }
 
-TEST_F(UsbSessionTest, ArmsInTwoStepsAndSendsSetPointsOnlyThen) {
+TEST_F(UsbSessionTest, ArmsInTwoStepsBeforeSendingSetPoints) {
   Begin();
   Live(10);
   ASSERT_EQ(base_.arms.size(), 2U);
@@ -98,7 +98,7 @@ TEST_F(UsbSessionTest, ArmsInTwoStepsAndSendsSetPointsOnlyThen) {
   EXPECT_EQ(base_.bad, 0);
 }
 
-TEST_F(UsbSessionTest, ABaseThatNeedsNoArmingIsNotAsked) {
+TEST_F(UsbSessionTest, SkipsArmingWhereTheBaseNeedsNone) {
   base_.hello.capabilities = 0;
   base_.faults = 0;
   Begin();
@@ -107,7 +107,7 @@ TEST_F(UsbSessionTest, ABaseThatNeedsNoArmingIsNotAsked) {
   EXPECT_EQ(base_.commands.front().mode, wire::Mode::kCurrent);
 }
 
-TEST_F(UsbSessionTest, ArmsAgainAfterTheHostWasSilent) {
+TEST_F(UsbSessionTest, RearmsAfterHostSilence) {
   Begin();
   Live(5);
   ASSERT_EQ(base_.state, wire::State::kArmed);
@@ -119,7 +119,7 @@ TEST_F(UsbSessionTest, ArmsAgainAfterTheHostWasSilent) {
   EXPECT_FALSE(session_.state().waits_for_person);
 }
 
-TEST_F(UsbSessionTest, NeverArmsByItselfAfterAnyOtherFault) {
+TEST_F(UsbSessionTest, NeverRearmsByItselfAfterAnyOtherFault) {
   for (std::uint32_t bit = wire::kFaultOverTemperature; bit <= wire::kFaultInternal; bit <<= 1) {
     FakeBase base;
     UsbSession session;
@@ -151,7 +151,7 @@ TEST_F(UsbSessionTest, NeverArmsByItselfAfterAnyOtherFault) {
   }
 }
 
-TEST_F(UsbSessionTest, DoesNotArmWhileTheBaseTestsItself) {
+TEST_F(UsbSessionTest, DoesNotArmDuringTheSelfTest) {
   base_.state = wire::State::kSelfTest;
   Begin();
   Live(10);
@@ -161,7 +161,7 @@ TEST_F(UsbSessionTest, DoesNotArmWhileTheBaseTestsItself) {
   EXPECT_EQ(base_.state, wire::State::kArmed);
 }
 
-TEST_F(UsbSessionTest, ARefusalIsNotFollowedByAStorm) {
+TEST_F(UsbSessionTest, RetriesRefusedArmingAtMostOncePerPause) {
   base_.refuses_arm = wire::kFaultHostSilent;
   Begin();
   const std::int64_t begin_ns = base::MonotonicNow_ns();
@@ -172,7 +172,7 @@ TEST_F(UsbSessionTest, ARefusalIsNotFollowedByAStorm) {
   EXPECT_FALSE(session_.state().waits_for_person);
 }
 
-TEST_F(UsbSessionTest, ARefusalForAnotherFaultIsFinal) {
+TEST_F(UsbSessionTest, RefusalForAnotherFaultIsNotRetried) {
   base_.refuses_arm = wire::kFaultSupplyLow;
   Begin();
   Live(5);
@@ -182,7 +182,7 @@ TEST_F(UsbSessionTest, ARefusalForAnotherFaultIsFinal) {
   EXPECT_EQ(base_.arms.size(), 1U);
 }
 
-TEST_F(UsbSessionTest, AnUnaskedChallengeIsRefused) {
+TEST_F(UsbSessionTest, RejectsUnsolicitedChallenges) {
   Begin();
   Live(5);
   const std::size_t arms = base_.arms.size();
@@ -195,7 +195,7 @@ TEST_F(UsbSessionTest, AnUnaskedChallengeIsRefused) {
   EXPECT_EQ(session_.counters().bad_frames, 1U);
 }
 
-TEST_F(UsbSessionTest, NewestScanWinsAndTheRestIsCounted) {
+TEST_F(UsbSessionTest, ReadReturnsNewestScanAndCountsTheRest) {
   Begin();
   for (int i = 0; i < 5; ++i) {
     base_.telemetry.field[0][0] = static_cast<std::int16_t>(100 * i);
@@ -209,7 +209,7 @@ TEST_F(UsbSessionTest, NewestScanWinsAndTheRestIsCounted) {
   EXPECT_EQ(session_.Read(scan, kNow), ReadStatus::kTimeout) << "a scan is read once";
 }
 
-TEST_F(UsbSessionTest, NewestCommandWins) {
+TEST_F(UsbSessionTest, SendsOnlyTheNewestCommand) {
   Begin();
   Live(5);
   const std::size_t before = base_.commands.size();
@@ -220,7 +220,7 @@ TEST_F(UsbSessionTest, NewestCommandWins) {
   EXPECT_EQ(link_.wakes.load(), 15);
 }
 
-TEST_F(UsbSessionTest, ACommandThatTheBusHeldUpIsNotSentLate) {
+TEST_F(UsbSessionTest, DropsCommandsDelayedByTheBus) {
   Begin();
   Live(5);
   ASSERT_TRUE(session_.Write({{1, 0, 0}}));
@@ -230,7 +230,7 @@ TEST_F(UsbSessionTest, ACommandThatTheBusHeldUpIsNotSentLate) {
 }
 
 // A resting tick writes only every 16 ms; without repeats the base would take every delay for a silent host.
-TEST_F(UsbSessionTest, OnlyZeroIsSaidAgainAndNotForLong) {
+TEST_F(UsbSessionTest, RepeatsOnlyZeroCurrentAndForLimitedTime) {
   Begin();
   UsbFrame frame(wire::kFrameSizeMax);
   std::int64_t written_ns = 0;
@@ -254,7 +254,7 @@ TEST_F(UsbSessionTest, OnlyZeroIsSaidAgainAndNotForLong) {
 }
 
 // Including those before Begin: a base reports faults as soon as it starts.
-TEST_F(UsbSessionTest, FaultAndLogFramesWaitForWhoTellsPeople) {
+TEST_F(UsbSessionTest, QueuesFaultAndLogFramesAsNotes) {
   BaseNote note;
   EXPECT_FALSE(session_.TakeNote(note));
   wire::Log line;
@@ -277,7 +277,7 @@ TEST_F(UsbSessionTest, FaultAndLogFramesWaitForWhoTellsPeople) {
   EXPECT_EQ(session_.counters().bad_frames, 0U);
 }
 
-TEST_F(UsbSessionTest, NotesWithoutRoomAreCounted) {
+TEST_F(UsbSessionTest, CountsNotesLostToAFullQueue) {
   Begin();
   constexpr std::size_t kMore = 7;
   for (std::size_t i = 0; i < BaseNotes::kCapacity + kMore; ++i) link_.Give(base_.Frame(FakeBase::KeptFault()));
@@ -289,7 +289,7 @@ TEST_F(UsbSessionTest, NotesWithoutRoomAreCounted) {
   EXPECT_EQ(note.lost_before, kMore);
 }
 
-TEST_F(UsbSessionTest, ANoteThatIsNoneIsABadFrame) {
+TEST_F(UsbSessionTest, MalformedLogIsABadFrame) {
   Begin();
   UsbFrame frame = base_.Frame(wire::Log{});
   frame[wire::kHeaderSize] = 9;  // a level that does not exist
@@ -304,7 +304,7 @@ TEST_F(UsbSessionTest, ANoteThatIsNoneIsABadFrame) {
   EXPECT_EQ(session_.counters().bad_frames, 1U);
 }
 
-TEST_F(UsbSessionTest, BadSetPointsNeverLeave) {
+TEST_F(UsbSessionTest, NeverSendsInvalidSetPoints) {
   Begin();
   Live(5);
   const std::size_t before = base_.commands.size();
@@ -320,7 +320,7 @@ TEST_F(UsbSessionTest, BadSetPointsNeverLeave) {
   EXPECT_EQ(session_.counters().send_failed, 18U);
 }
 
-TEST_F(UsbSessionTest, BadFramesAreCountedAndDoNotHideGoodOnes) {
+TEST_F(UsbSessionTest, CountsBadFramesAndReadsTheGoodOnes) {
   Begin();
   link_.Give(Bent([](UsbFrame& frame) { frame[30] ^= 4; }));
   link_.Give(Bent([](UsbFrame& frame) { frame.resize(frame.size() - 1); }));
@@ -337,7 +337,7 @@ TEST_F(UsbSessionTest, BadFramesAreCountedAndDoNotHideGoodOnes) {
   EXPECT_EQ(session_.counters().missed, 4U) << "the four that were damaged";
 }
 
-TEST_F(UsbSessionTest, UnknownTypesAndWhatNobodyAskedForAreIgnored) {
+TEST_F(UsbSessionTest, IgnoresUnsolicitedButRejectsHostOnlyTypes) {
   Begin();
   UsbFrame unknown(64);
   wire::Header header;
@@ -354,7 +354,7 @@ TEST_F(UsbSessionTest, UnknownTypesAndWhatNobodyAskedForAreIgnored) {
   EXPECT_EQ(session_.counters().bad_frames, 2U) << "only a host sends these";
 }
 
-TEST_F(UsbSessionTest, RepeatedAndReorderedFramesAreRefused) {
+TEST_F(UsbSessionTest, RejectsRepeatedAndReorderedFrames) {
   Begin();
   const UsbFrame first = base_.Tick();
   const UsbFrame second = base_.Tick();
@@ -365,7 +365,7 @@ TEST_F(UsbSessionTest, RepeatedAndReorderedFramesAreRefused) {
   EXPECT_EQ(session_.counters().bad_frames, 2U);
 }
 
-TEST_F(UsbSessionTest, ScansAreNumberedAndStampedUpwardsAcrossTheWrap) {
+TEST_F(UsbSessionTest, SequenceAndStampsIncreaseDespiteLostFrames) {
   Begin();
   base::HallScan before;
   for (int i = 0; i < 40; ++i) {
@@ -382,7 +382,7 @@ TEST_F(UsbSessionTest, ScansAreNumberedAndStampedUpwardsAcrossTheWrap) {
   EXPECT_EQ(session_.counters().bad_frames, 0U);
 }
 
-TEST_F(UsbSessionTest, CommandsAreNewerThanThoseOfTheProgramBefore) {
+TEST_F(UsbSessionTest, CommandsContinueAfterThePreviousProgramsSequence) {
   base_.telemetry.ack_seq = 40000;
   Begin();
   Live(5);
@@ -391,7 +391,7 @@ TEST_F(UsbSessionTest, CommandsAreNewerThanThoseOfTheProgramBefore) {
   for (std::size_t i = 2; i < base_.seqs.size(); ++i) EXPECT_EQ(wire::SeqDistance(base_.seqs[i - 1], base_.seqs[i]), 1);
 }
 
-TEST_F(UsbSessionTest, CommandsSayWhichTelemetryTheyAnswer) {
+TEST_F(UsbSessionTest, CommandsEchoTheStampOfTheTelemetryRead) {
   Begin();
   Live(3);
   const std::uint64_t answered_us = base_.t_us;
@@ -413,7 +413,7 @@ TEST_F(UsbSessionTest, LastScanIsDeliveredBeforeGone) {
   EXPECT_FALSE(session_.Write({}));
 }
 
-TEST_F(UsbSessionTest, UnpluggingEndsAWaitingRead) {
+TEST_F(UsbSessionTest, UnpluggingEndsABlockedRead) {
   Begin();
   std::thread unplug([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -424,7 +424,7 @@ TEST_F(UsbSessionTest, UnpluggingEndsAWaitingRead) {
   unplug.join();
 }
 
-TEST_F(UsbSessionTest, ABaseThatRestartedBehindOurBackIsOpenedAnew) {
+TEST_F(UsbSessionTest, UnnoticedRestartOfTheBaseIsReportedAsGone) {
   Begin();
   Live(5);
   base_.t_us = 0;
@@ -436,7 +436,7 @@ TEST_F(UsbSessionTest, ABaseThatRestartedBehindOurBackIsOpenedAnew) {
   EXPECT_EQ(session_.Read(scan, kNow), ReadStatus::kGone);
 }
 
-TEST_F(UsbSessionTest, AnImpossibleTimeIsRefused) {
+TEST_F(UsbSessionTest, RejectsImpossibleDeviceTimes) {
   base_.hello.capabilities = wire::kDeviceClockIsHostMonotonic;
   Begin();
   base_.t_us = 1ULL << 63;
@@ -445,7 +445,7 @@ TEST_F(UsbSessionTest, AnImpossibleTimeIsRefused) {
   EXPECT_EQ(session_.counters().received, 0U);
 }
 
-TEST_F(UsbSessionTest, StampsOfTheHostsClockPassUnchanged) {
+TEST_F(UsbSessionTest, HostClockStampsPassUnchanged) {
   base_.hello.capabilities = wire::kDeviceClockIsHostMonotonic;
   Begin();
   base_.t_us = 123'000;
@@ -455,7 +455,7 @@ TEST_F(UsbSessionTest, StampsOfTheHostsClockPassUnchanged) {
   EXPECT_EQ(scan.t_ns, 124'000'000);
 }
 
-TEST_F(UsbSessionTest, FailuresOfTheBusAreCounted) {
+TEST_F(UsbSessionTest, CountsInterruptedAndFailedTransfers) {
   Begin();
   session_.OnInterrupted();
   session_.OnInterrupted();

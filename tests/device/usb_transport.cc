@@ -32,7 +32,7 @@ TEST(UsbTransport, InfoComesFromHelloAndBus) {
   EXPECT_FALSE((*transport)->info().virtual_time);
 }
 
-TEST(UsbTransport, RunsABaseToArmedAndBack) {
+TEST(UsbTransport, ArmsTheBaseAndDeliversCommands) {
   FakeUsbBus bus;
   test::FakeBase& base = bus.Add("A17").base;
   {
@@ -53,7 +53,7 @@ TEST(UsbTransport, RunsABaseToArmedAndBack) {
   EXPECT_EQ(base.commands.back().set_point_A[2], 2);
 }
 
-TEST(UsbTransport, TwoBasesAreChosenBySerial) {
+TEST(UsbTransport, SelectsBetweenTwoBasesBySerial) {
   FakeUsbBus bus;
   bus.Add("A17", "1-1");
   bus.Add("B2", "1-2");
@@ -63,7 +63,7 @@ TEST(UsbTransport, TwoBasesAreChosenBySerial) {
   EXPECT_EQ((*transport)->info().serial, "B2");
 }
 
-TEST(UsbTransport, RefusalsSayWhatToDo) {
+TEST(UsbTransport, ErrorsNameCauseAndRemedy) {
   FakeUsbBus bus;
   ExpectRefused(bus, "", {"no Omni base on USB"});
   FakeUsbBus::Entry& entry = bus.Add("A17");
@@ -77,7 +77,7 @@ TEST(UsbTransport, RefusalsSayWhatToDo) {
   ExpectRefused(bus, "", {"usb base A17", "no HELLO in time"});
 }
 
-TEST(UsbTransport, OtherProtocolVersionsAreRefused) {
+TEST(UsbTransport, RejectsOtherProtocolVersions) {
   FakeUsbBus bus;
   wire::Hello& hello = bus.Add("A17").base.hello;
   hello.version_min = 2;
@@ -87,7 +87,7 @@ TEST(UsbTransport, OtherProtocolVersionsAreRefused) {
   EXPECT_TRUE(MakeUsbTransport(bus, "").ok()) << "1 is within 1 to 3";
 }
 
-TEST(UsbTransport, AHelloThatLiesAboutItsScalesIsRefused) {
+TEST(UsbTransport, RejectsHelloWithImplausibleScales) {
   for (const float field_lsb_T : {1e-30F, 1.0F}) {
     FakeUsbBus bus;
     bus.Add("A17").base.hello.field_lsb_T = field_lsb_T;
@@ -99,7 +99,7 @@ TEST(UsbTransport, AHelloThatLiesAboutItsScalesIsRefused) {
 }
 
 // The link on its thread, the tick on this one: scans in order and intact, no allocation in Read and Write.
-TEST(UsbTransport, TwoThreadsMeetAndNeverAllocate) {
+TEST(UsbTransport, ReadAndWriteAcrossThreadsNeverAllocate) {
   FakeUsbBus bus(true);
   test::FakeBase& base = bus.Add("A17").base;
   const auto transport = MakeUsbTransport(bus, "");
@@ -126,7 +126,7 @@ TEST(UsbTransport, TwoThreadsMeetAndNeverAllocate) {
   EXPECT_EQ(base.bad, 0);
 }
 
-TEST(UsbTransport, ALostBaseIsOpenedAgain) {
+TEST(UsbTransport, ReopensAndRearmsAnUnpluggedBase) {
   FakeUsbBus bus;
   test::FakeBase& base = bus.Add("A17").base;
   for (int plugged = 0; plugged < 3; ++plugged) {

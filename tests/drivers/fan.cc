@@ -37,7 +37,7 @@ struct FanTest : testing::Test {
   double phase = 0;
 };
 
-TEST_F(FanTest, MeasuresItsSpeed) {
+TEST_F(FanTest, MeasuresSpeed) {
   EXPECT_TRUE(tach.standing()) << "until it has turned once";
   EXPECT_EQ(tach.rpm(), 0U);
   for (const double rpm : {600.0, 3000.0, 6000.0}) {
@@ -47,7 +47,7 @@ TEST_F(FanTest, MeasuresItsSpeed) {
   }
 }
 
-TEST_F(FanTest, NeverLooksFasterThanItCanBeWhileItStops) {
+TEST_F(FanTest, SpeedNeverRisesWhileTheFanStops) {
   Turn(3000, 500'000);
   std::uint32_t before = tach.rpm();
   for (int i = 0; i < 490; ++i) {
@@ -61,7 +61,7 @@ TEST_F(FanTest, NeverLooksFasterThanItCanBeWhileItStops) {
   EXPECT_EQ(tach.rpm(), 0U);
 }
 
-TEST_F(FanTest, StandsForHoursAndStartsAgain) {
+TEST_F(FanTest, StandingSurvivesClockWraps) {
   Turn(3000, 500'000);
   for (int i = 0; i < 20'000; ++i) {  // 2.8 hours: the clock wraps twice
     capture.now_us += 500'000;
@@ -74,7 +74,7 @@ TEST_F(FanTest, StandsForHoursAndStartsAgain) {
   EXPECT_NEAR(tach.rpm(), 3000, 330);
 }
 
-TEST_F(FanTest, DisturbancesAreNoSpeed) {
+TEST_F(FanTest, IgnoresImplausibleEdges) {
   Turn(3000, 500'000);
   const std::uint32_t rpm = tach.rpm();
   for (int i = 0; i < 5; ++i) capture.edges.push_back(capture.now_us + 20U * static_cast<std::uint32_t>(i));

@@ -55,7 +55,7 @@ struct G2Test : testing::Test {
   G2Driver<Pins> driver{pins};
 };
 
-TEST_F(G2Test, WakesThenDrivesEitherWay) {
+TEST_F(G2Test, WakesBrakedThenDrivesInBothDirections) {
   driver.Start();
   EXPECT_FALSE(pins.awake);
   Run(1, 1000, true);
@@ -71,7 +71,7 @@ TEST_F(G2Test, WakesThenDrivesEitherWay) {
   EXPECT_EQ(pins.signed_duty(), -32767);
 }
 
-TEST_F(G2Test, ThePeriodOfBrakeIsAWholeOne) {
+TEST_F(G2Test, BrakesForAWholePeriodBeforeReversing) {
   driver.Start();
   Run(4, 500, true);
   ASSERT_EQ(pins.signed_duty(), 500);
@@ -84,7 +84,7 @@ TEST_F(G2Test, ThePeriodOfBrakeIsAWholeOne) {
   EXPECT_EQ(pins.signed_duty(), -500);
 }
 
-TEST_F(G2Test, SleepsOnlyTenMillisecondsAfterTheBrake) {
+TEST_F(G2Test, BrakesTenMillisecondsBeforeSleeping) {
   driver.Start();
   Run(10, 20000, true);
   Run(40, 20000, false);
@@ -95,7 +95,7 @@ TEST_F(G2Test, SleepsOnlyTenMillisecondsAfterTheBrake) {
   EXPECT_FALSE(driver.awake());
 }
 
-TEST_F(G2Test, BrakesWhenNobodyCalls) {
+TEST_F(G2Test, BrakesWhenApplyIsNotCalled) {
   driver.Start();
   Run(10, 20000, true);
   pins.period += 35;
@@ -112,7 +112,7 @@ TEST_F(G2Test, BrakesWhenNobodyCalls) {
   EXPECT_EQ(pins.signed_duty(), 20000) << "drives again";
 }
 
-TEST_F(G2Test, RefusesADutyBeyondFull) {
+TEST_F(G2Test, RejectsDutyBeyondFullScale) {
   driver.Start();
   Run(5, 100, true);
   Run(1, -32768, true);
@@ -120,7 +120,7 @@ TEST_F(G2Test, RefusesADutyBeyondFull) {
   EXPECT_EQ(driver.counters().rejected, 1U);
 }
 
-TEST_F(G2Test, AFaultBrakes) {
+TEST_F(G2Test, FaultBrakesWhileAwake) {
   driver.Start();
   pins.fault = true;
   Run(2, 100, true);
@@ -144,7 +144,7 @@ TEST_F(G2Test, AFaultBrakes) {
 }
 
 // Pins checks the rules; this makes random calls.
-TEST_F(G2Test, NoSequenceOfOrdersBreaksTheRules) {
+TEST_F(G2Test, RandomCallsNeverViolateThePinRules) {
   std::mt19937 random(11);
   driver.Start();
   long driven = 0;

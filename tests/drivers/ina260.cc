@@ -50,7 +50,7 @@ TEST_F(Ina260Test, ReadsSignedCurrentAndVoltage) {
   }
 }
 
-TEST_F(Ina260Test, TheRegisterPointerSavesTwoBytes) {
+TEST_F(Ina260Test, RepeatedReadsOmitTheRegisterPointer) {
   ASSERT_EQ(Start(), ChipStatus::kOk);
   const auto cost = [&](auto&& read) {
     const long before = bus.bytes;
@@ -70,7 +70,7 @@ TEST_F(Ina260Test, TheRegisterPointerSavesTwoBytes) {
   EXPECT_EQ(cost(read_current), 5);
 }
 
-TEST_F(Ina260Test, OverCurrentPullsThePinAndStaysUntilRead) {
+TEST_F(Ina260Test, OverCurrentAlertIsLatchedUntilRead) {
   ASSERT_EQ(Start(), ChipStatus::kOk);
   chip.set_current_A(15.4);
   bus.Wait(300);
@@ -91,7 +91,7 @@ TEST_F(Ina260Test, OverCurrentPullsThePinAndStaysUntilRead) {
 }
 
 // The chip's comparison is signed: set for positive currents it does not detect -40 A.
-TEST_F(Ina260Test, TheAlertFollowsTheSideThatIsDriven) {
+TEST_F(Ina260Test, AlertActsOnTheSelectedSide) {
   ASSERT_EQ(Start(), ChipStatus::kOk);
   chip.set_current_A(-40);
   bus.Wait(300);
@@ -117,7 +117,7 @@ TEST_F(Ina260Test, TheAlertFollowsTheSideThatIsDriven) {
   EXPECT_EQ(bus.bytes, bytes) << "the same side costs nothing";
 }
 
-TEST_F(Ina260Test, ABusThatFailsWhileTheSideChangesMeansStartAgain) {
+TEST_F(Ina260Test, BusErrorWhileChangingAlertSideRequiresRestart) {
   for (int after = 0; after < 3; ++after) {
     ASSERT_EQ(Start(), ChipStatus::kOk);
     bus.fault_in = after;
@@ -132,7 +132,7 @@ TEST_F(Ina260Test, ABusThatFailsWhileTheSideChangesMeansStartAgain) {
   }
 }
 
-TEST_F(Ina260Test, RefusesAnotherChipButNotAnotherRevision) {
+TEST_F(Ina260Test, RejectsOtherChipsButAcceptsOtherRevisions) {
   chip.set_identity(0x5449, 0x2260);  // an INA226
   EXPECT_EQ(Start(), ChipStatus::kWrongIdentity);
   chip.set_identity(0x5448, 0x2270);
@@ -147,7 +147,7 @@ TEST_F(Ina260Test, RefusesAnotherChipButNotAnotherRevision) {
   EXPECT_EQ(Start(), ChipStatus::kOk);
 }
 
-TEST_F(Ina260Test, NamesWhatIsWrongWithTheBusAndRecovers) {
+TEST_F(Ina260Test, ReportsBusErrorsAndRecovers) {
   Ina260<FaultyI2c> nobody(bus, 0x41);
   EXPECT_EQ(nobody.Start(ina260::Mode::kCurrentOnly, kLimit), ChipStatus::kNack);
   ASSERT_EQ(Start(), ChipStatus::kOk);
@@ -167,7 +167,7 @@ TEST_F(Ina260Test, NamesWhatIsWrongWithTheBusAndRecovers) {
   EXPECT_EQ(Start(), ChipStatus::kOk);
 }
 
-TEST_F(Ina260Test, ABrownOutIsFoundAndPutRight) {
+TEST_F(Ina260Test, VerifyReconfiguresAfterBrownOut) {
   ASSERT_EQ(Start(), ChipStatus::kOk);
   ASSERT_EQ(driver.SetAlertSide(AlertSide::kNegative), ChipStatus::kOk);
   chip.PowerCycle();
@@ -179,13 +179,13 @@ TEST_F(Ina260Test, ABrownOutIsFoundAndPutRight) {
   EXPECT_EQ(driver.Verify(), ChipStatus::kOk);
 }
 
-TEST_F(Ina260Test, RegistersThatDoNotTakeAreNoticed) {
+TEST_F(Ina260Test, DetectsRegistersThatIgnoreWrites) {
   chip.set_read_only(true);
   EXPECT_EQ(Start(), ChipStatus::kNotTaken);
   EXPECT_EQ(driver.counters().changed, 1U);
 }
 
-TEST_F(Ina260Test, ThreeOfThemShareABus) {
+TEST_F(Ina260Test, ThreeChipsShareABus) {
   Ina260Model others[2];
   bus.Attach(0x41, others[0]);
   bus.Attach(0x44, others[1]);

@@ -47,7 +47,7 @@ TEST_F(Lis3mdlTest, ReadsFieldAndTemperatureInOneTransfer) {
   EXPECT_FALSE(sample.overrun);
 }
 
-TEST_F(Lis3mdlTest, TellsAnOldSampleFromANewOneAndALostOne) {
+TEST_F(Lis3mdlTest, DistinguishesNewOldAndLostSamples) {
   chip.set_field_G({1, 1, 1});
   ASSERT_EQ(driver.Start(), ChipStatus::kOk);
   chip.Wait(1000);
@@ -60,7 +60,7 @@ TEST_F(Lis3mdlTest, TellsAnOldSampleFromANewOneAndALostOne) {
 }
 
 // Polled a thousand times a second, a chip that is 2 % slow is fresh 98 times of 100, one that is 2 % fast overruns.
-TEST_F(Lis3mdlTest, ItsClockIsItsOwn) {
+TEST_F(Lis3mdlTest, ChipClockErrorShowsAsStaleOrOverrunSamples) {
   for (const double rate : {0.98, 1.02}) {
     chip.set_clock_rate(rate);
     ASSERT_EQ(driver.Start(), ChipStatus::kOk);
@@ -82,7 +82,7 @@ TEST_F(Lis3mdlTest, ItsClockIsItsOwn) {
 }
 
 // High and low bytes belong to one sample even if it changes while they are read.
-TEST_F(Lis3mdlTest, ASampleIsNeverTorn) {
+TEST_F(Lis3mdlTest, SamplesAreNeverTorn) {
   ASSERT_EQ(driver.Start(), ChipStatus::kOk);
   bool high = false;
   for (int i = 0; i < 5000; ++i) {
@@ -95,7 +95,7 @@ TEST_F(Lis3mdlTest, ASampleIsNeverTorn) {
   }
 }
 
-TEST_F(Lis3mdlTest, RefusesAnotherChip) {
+TEST_F(Lis3mdlTest, RejectsOtherChips) {
   chip.set_identity(0x3C);
   EXPECT_EQ(driver.Start(), ChipStatus::kWrongIdentity);
   EXPECT_EQ(driver.Read(sample), ChipStatus::kNotStarted);
@@ -105,7 +105,7 @@ TEST_F(Lis3mdlTest, RefusesAnotherChip) {
   EXPECT_EQ(chip.reg(0x22), 0x03) << "untouched";
 }
 
-TEST_F(Lis3mdlTest, NamesWhatIsWrongWithTheBusAndRecovers) {
+TEST_F(Lis3mdlTest, ReportsBusErrorsAndRecovers) {
   chip.set_field_G({1, 1, 1});
   const struct {
     FaultySpi::Fault fault;
@@ -136,12 +136,12 @@ TEST_F(Lis3mdlTest, NamesWhatIsWrongWithTheBusAndRecovers) {
   EXPECT_EQ(driver.counters().bus_errors, 9U);
 }
 
-TEST_F(Lis3mdlTest, GarbledBytesAreAWrongIdentity) {
+TEST_F(Lis3mdlTest, GarbledBytesReportWrongIdentity) {
   bus.fault = FaultySpi::Fault::kWrongBytes;
   EXPECT_EQ(driver.Start(), ChipStatus::kWrongIdentity);
 }
 
-TEST_F(Lis3mdlTest, BeforeItsFirstSampleThereIsNoneYet) {
+TEST_F(Lis3mdlTest, ReportsNoNewSampleBeforeTheFirst) {
   ASSERT_EQ(driver.Start(), ChipStatus::kOk);
   EXPECT_EQ(driver.Read(sample), ChipStatus::kNoNewSample);
   EXPECT_EQ(driver.counters().bus_errors, 0U);
@@ -149,7 +149,7 @@ TEST_F(Lis3mdlTest, BeforeItsFirstSampleThereIsNoneYet) {
   EXPECT_EQ(driver.Read(sample), ChipStatus::kOk);
 }
 
-TEST_F(Lis3mdlTest, ABrownOutStopsItAndVerifyPutsItRight) {
+TEST_F(Lis3mdlTest, VerifyReconfiguresAfterBrownOut) {
   chip.set_field_G({1, 1, 1});
   ASSERT_EQ(driver.Start(), ChipStatus::kOk);
   chip.Wait(1000);
@@ -165,7 +165,7 @@ TEST_F(Lis3mdlTest, ABrownOutStopsItAndVerifyPutsItRight) {
   EXPECT_EQ(driver.Verify(), ChipStatus::kOk);
 }
 
-TEST_F(Lis3mdlTest, ABrownOutDuringTheSelfTestBringsTheSelfTestBack) {
+TEST_F(Lis3mdlTest, VerifyRestoresSelfTestModeAfterBrownOut) {
   ASSERT_EQ(driver.Start(), ChipStatus::kOk);
   ASSERT_EQ(driver.SetSelfTest(true), ChipStatus::kOk);
   chip.PowerCycle();
@@ -173,19 +173,19 @@ TEST_F(Lis3mdlTest, ABrownOutDuringTheSelfTestBringsTheSelfTestBack) {
   EXPECT_EQ(chip.reg(0x20), 0x83);
 }
 
-TEST_F(Lis3mdlTest, RegistersThatDoNotTakeAreNoticed) {
+TEST_F(Lis3mdlTest, DetectsRegistersThatIgnoreWrites) {
   chip.set_read_only(true);
   EXPECT_EQ(driver.Start(), ChipStatus::kNotTaken);
   EXPECT_FALSE(driver.started());
 }
 
-TEST_F(Lis3mdlTest, AResetThatNeverEndsIsGivenUp) {
+TEST_F(Lis3mdlTest, StartFailsWhenTheResetNeverEnds) {
   chip.set_reset_time_us(1e9);
   EXPECT_EQ(driver.Start(), ChipStatus::kNotTaken);
   EXPECT_LE(bus.transfers, 2 + Lis3mdl<FaultySpi>::kResetReads);
 }
 
-TEST_F(Lis3mdlTest, SelfTestAnswersAreJudged) {
+TEST_F(Lis3mdlTest, SelfTestAnswerIsCheckedPerAxis) {
   const auto answer = [&] {
     std::int16_t without[3];
     std::int16_t with[3];

@@ -29,7 +29,7 @@ struct UsbBulk : testing::TestWithParam<bool>, UsbBench {
 std::string SpeedName(const testing::TestParamInfo<bool>& speed) { return speed.param ? "High" : "Full"; }
 INSTANTIATE_TEST_SUITE_P(Speeds, UsbBulk, testing::Values(true, false), SpeedName);
 
-TEST_P(UsbBulk, FramesOfEverySizeComeWhole) {
+TEST_P(UsbBulk, TransfersFramesOfEverySize) {
   for (std::size_t size = 1; size <= 512; ++size) {
     const Bytes frame = UsbBench::Frame(size, static_cast<int>(size));
     // 512 bytes are a whole buffer and need no empty packet; at full speed a frame of n times 64 does.
@@ -45,14 +45,14 @@ TEST_P(UsbBulk, FramesOfEverySizeComeWhole) {
   EXPECT_TRUE(Receive().empty());
 }
 
-TEST_P(UsbBulk, EmptyTransfersAreNone) {
+TEST_P(UsbBulk, IgnoresEmptyTransfers) {
   ASSERT_EQ(host.BulkOut({}), Status::kOk);
   ASSERT_EQ(host.BulkOut(UsbBench::Frame(5, 1)), Status::kOk);
   EXPECT_EQ(Receive(), UsbBench::Frame(5, 1));
   EXPECT_TRUE(Receive().empty());
 }
 
-TEST_P(UsbBulk, AFullQueueMakesTheHostWait) {
+TEST_P(UsbBulk, FullReceiveQueueMakesTheHostWait) {
   for (int i = 0; i < kReceiveDepth; ++i) ASSERT_EQ(host.BulkOut(UsbBench::Frame(60, i)), Status::kOk);
   EXPECT_EQ(host.BulkOut(UsbBench::Frame(60, 99)), Status::kTimeout) << "NAK, nothing lost";
   EXPECT_EQ(Receive(), UsbBench::Frame(60, 0));
@@ -61,7 +61,7 @@ TEST_P(UsbBulk, AFullQueueMakesTheHostWait) {
   EXPECT_TRUE(Receive().empty());
 }
 
-TEST_P(UsbBulk, AHostThatDoesNotReadGetsTheNewest) {
+TEST_P(UsbBulk, FullSendQueueKeepsTheNewestFrames) {
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(Send(UsbBench::Frame(60, i)));
   EXPECT_EQ(device.counters().send_overwritten, 96U);
   EXPECT_EQ(host.BulkIn().data, UsbBench::Frame(60, 0)) << "was in transit";
@@ -71,7 +71,7 @@ TEST_P(UsbBulk, AHostThatDoesNotReadGetsTheNewest) {
   EXPECT_EQ(host.BulkIn().status, Status::kTimeout);
 }
 
-TEST_P(UsbBulk, RefusesSizesThatAreNoFrame) {
+TEST_P(UsbBulk, RejectsInvalidFrameSizes) {
   EXPECT_FALSE(Send({}));
   EXPECT_FALSE(Send(Bytes(513)));
   EXPECT_EQ(device.counters().send_refused, 2U);
@@ -82,7 +82,7 @@ TEST_P(UsbBulk, RefusesSizesThatAreNoFrame) {
   EXPECT_EQ(device.Receive(small, sizeof small), 20U);
 }
 
-TEST_P(UsbBulk, DamagedTransfersAreThrownAwayAndCounted) {
+TEST_P(UsbBulk, DiscardsAndCountsDamagedTransfers) {
   controller.DamageNext(1, false);
   ASSERT_EQ(host.BulkOut(UsbBench::Frame(60, 1)), Status::kOk) << "the host repeats";
   EXPECT_EQ(device.counters().receive_errors, 1U);
@@ -96,7 +96,7 @@ TEST_P(UsbBulk, DamagedTransfersAreThrownAwayAndCounted) {
 }
 
 // The host repeats a packet whose acknowledgement it missed: the controller discards the copy.
-TEST_P(UsbBulk, ARepeatedPacketIsNoSecondFrame) {
+TEST_P(UsbBulk, RepeatedPacketIsDeliveredOnce) {
   ASSERT_EQ(host.BulkOut(UsbBench::Frame(30, 1)), Status::kOk);
   host.out_toggle = 1 - host.out_toggle;
   ASSERT_EQ(host.BulkOut(UsbBench::Frame(30, 1)), Status::kOk);
@@ -106,7 +106,7 @@ TEST_P(UsbBulk, ARepeatedPacketIsNoSecondFrame) {
   EXPECT_TRUE(Receive().empty());
 }
 
-TEST_P(UsbBulk, TelemetryAndCommandsForTenSeconds) {
+TEST_P(UsbBulk, CarriesTenSecondsOfTelemetryAndCommands) {
   for (int i = 0; i < 10'000; ++i) {
     const Bytes telemetry = UsbBench::Frame(160, i);
     const Bytes command = UsbBench::Frame(52, 3 * i);

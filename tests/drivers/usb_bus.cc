@@ -25,7 +25,7 @@ struct UsbBus : testing::Test, UsbBench {
   }
 };
 
-TEST_F(UsbBus, AResetForgetsWhatWaitedAndEverythingWorksAgain) {
+TEST_F(UsbBus, BusResetDropsQueuedFramesAndRecovers) {
   ASSERT_EQ(host.BulkOut(UsbBench::Frame(52, 1)), Status::kOk);
   ASSERT_TRUE(Send(UsbBench::Frame(160, 1)));
   ASSERT_TRUE(Send(UsbBench::Frame(160, 2)));
@@ -39,7 +39,7 @@ TEST_F(UsbBus, AResetForgetsWhatWaitedAndEverythingWorksAgain) {
   ExpectWorks(4);
 }
 
-TEST_F(UsbBus, AResetInTheMiddleOfATransferLeavesNoHalf) {
+TEST_F(UsbBus, BusResetDiscardsPartialTransfers) {
   ASSERT_TRUE(host.Enumerate(false));
   // Full speed: frames of several packets; one packet of each goes, then the reset.
   ASSERT_TRUE(Send(UsbBench::Frame(160, 1)));
@@ -51,7 +51,7 @@ TEST_F(UsbBus, AResetInTheMiddleOfATransferLeavesNoHalf) {
   EXPECT_EQ(device.counters().received, 1U);
 }
 
-TEST_F(UsbBus, AClearedHaltInTheMiddleOfATransferLeavesNoHalf) {
+TEST_F(UsbBus, ClearHaltRestartsPartialTransfers) {
   ASSERT_TRUE(host.Enumerate(false));
   ASSERT_TRUE(Send(UsbBench::Frame(160, 1)));
   ASSERT_EQ(controller.In(host.address, 1).data.size(), 64U);
@@ -64,7 +64,7 @@ TEST_F(UsbBus, AClearedHaltInTheMiddleOfATransferLeavesNoHalf) {
   ExpectWorks(6);
 }
 
-TEST_F(UsbBus, AResetInTheMiddleOfAControlTransfer) {
+TEST_F(UsbBus, BusResetDuringControlTransferRecovers) {
   for (const bool before_interrupt : {false, true}) {
     if (before_interrupt) {
       controller.Setup(host.address, {0x00, 5, 99, 0, 0, 0, 0, 0});
@@ -81,7 +81,7 @@ TEST_F(UsbBus, AResetInTheMiddleOfAControlTransfer) {
   }
 }
 
-TEST_F(UsbBus, AResetThatIsHandledLateIsCountedAndWorks) {
+TEST_F(UsbBus, CountsLateBusResetsAndRecovers) {
   controller.BeginReset();
   controller.EndReset(true);
   host.Service();
@@ -91,14 +91,14 @@ TEST_F(UsbBus, AResetThatIsHandledLateIsCountedAndWorks) {
   ExpectWorks(7);
 }
 
-TEST_F(UsbBus, TheHostMayEndTheDataStageEarly) {
+TEST_F(UsbBus, HostMayEndTheDataStageEarly) {
   ASSERT_TRUE(host.Begin({0xC0, 0x20, 0, 7, 162}));
   ASSERT_EQ(controller.In(host.address, 0).data.size(), 64U);
   EXPECT_EQ(controller.Out(host.address, 0, 1, {}), support::ChipideaModel::Answer::kAck) << "status stage";
   EXPECT_EQ(host.GetDescriptor(1).data.size(), 18U);
 }
 
-TEST_F(UsbBus, SuspendStopsSendingAndResumeGoesOn) {
+TEST_F(UsbBus, SuspendStopsSendingUntilResume) {
   ASSERT_TRUE(Send(UsbBench::Frame(160, 1)));
   controller.Suspend();
   host.Service();
@@ -115,7 +115,7 @@ TEST_F(UsbBus, SuspendStopsSendingAndResumeGoesOn) {
   EXPECT_EQ(device.counters().suspends, 1U);
 }
 
-TEST_F(UsbBus, AResetOutOfSuspend) {
+TEST_F(UsbBus, BusResetEndsSuspend) {
   controller.Suspend();
   host.Service();
   ASSERT_TRUE(host.Enumerate());
@@ -123,7 +123,7 @@ TEST_F(UsbBus, AResetOutOfSuspend) {
   ExpectWorks(9);
 }
 
-TEST_F(UsbBus, ThePulledCable) {
+TEST_F(UsbBus, UnplugDetachesAndReplugRecovers) {
   for (int i = 0; i < 3; ++i) {
     ASSERT_EQ(host.BulkOut(UsbBench::Frame(52, 1)), Status::kOk);
     ASSERT_TRUE(Send(UsbBench::Frame(160, 1)));
@@ -144,7 +144,7 @@ TEST_F(UsbBus, ThePulledCable) {
 }
 
 // The tripwire: the second SETUP overwrites the first while it is copied. Only the second one may be answered.
-TEST_F(UsbBus, ASetupThatArrivesWhileTheOneBeforeIsCopied) {
+TEST_F(UsbBus, SetupArrivingDuringCopySupersedesThePrevious) {
   controller.while_copying = [&] { controller.Setup(host.address, {0x80, 6, 0, 1, 0, 0, 18, 0}); };
   controller.Setup(host.address, {0x40, 1, 0, 0, 0, 0, 0, 0});
   host.Service();
@@ -154,7 +154,7 @@ TEST_F(UsbBus, ASetupThatArrivesWhileTheOneBeforeIsCopied) {
   ExpectWorks(10);
 }
 
-TEST_F(UsbBus, ASetupThatArrivesWhileTheAnswerIsPrimed) {
+TEST_F(UsbBus, SetupArrivingDuringPrimingSupersedesThePrevious) {
   controller.while_priming = [&] { controller.Setup(host.address, {0x80, 8, 0, 0, 0, 0, 1, 0}); };
   controller.Setup(host.address, {0x80, 6, 0, 1, 0, 0, 18, 0});
   host.Service();
@@ -162,7 +162,7 @@ TEST_F(UsbBus, ASetupThatArrivesWhileTheAnswerIsPrimed) {
   EXPECT_EQ(host.GetDescriptor(1).data.size(), 18U);
 }
 
-TEST_F(UsbBus, BackToBackSetupsAnswerTheLast) {
+TEST_F(UsbBus, AnswersOnlyTheLastOfBackToBackSetups) {
   for (int i = 0; i < 50; ++i) {
     for (int k = 0; k <= i % 4; ++k) controller.Setup(host.address, {0x80, 6, 0, 2, 0, 0, 32, 0});
     EXPECT_EQ(host.GetDescriptor(1).data.size(), 18U);
@@ -171,7 +171,7 @@ TEST_F(UsbBus, BackToBackSetupsAnswerTheLast) {
   ExpectWorks(11);
 }
 
-TEST_F(UsbBus, InterruptsWithoutNeedDoNoHarm) {
+TEST_F(UsbBus, SpuriousInterruptsAreHarmless) {
   for (int i = 0; i < 100; ++i) device.Interrupt();
   ExpectWorks(12);
   ASSERT_EQ(host.BulkOut(UsbBench::Frame(52, 1)), Status::kOk);
@@ -180,7 +180,7 @@ TEST_F(UsbBus, InterruptsWithoutNeedDoNoHarm) {
   EXPECT_TRUE(Receive().empty());
 }
 
-TEST_F(UsbBus, StopLeavesTheBusAndStartComesBack) {
+TEST_F(UsbBus, StopLeavesTheBusAndStartRejoinsIt) {
   device.Stop();
   EXPECT_FALSE(controller.running());
   EXPECT_EQ(device.state(), DeviceState::kOff);
@@ -191,7 +191,7 @@ TEST_F(UsbBus, StopLeavesTheBusAndStartComesBack) {
   ExpectWorks(13);
 }
 
-TEST_F(UsbBus, AControllerThatHangsIsGivenUp) {
+TEST_F(UsbBus, StartFailsWhileTheControllerHangs) {
   controller.stuck = true;
   host.Reset(true);
   EXPECT_GT(device.counters().timeouts, 0U);

@@ -40,7 +40,7 @@ constexpr std::uint16_t kBulkEndpoints[] = {kEndpointOut, kEndpointIn};
 
 int Word(const Bytes& bytes, std::size_t at) { return bytes.at(at) | (bytes.at(at + 1) << 8); }
 
-TEST_F(UsbEnumerate, AsLinuxDoesIt) {
+TEST_F(UsbEnumerate, MatchesLinuxRequestSequence) {
   EXPECT_EQ(device.state(), DeviceState::kDefault);
   const Bytes first = Get(1, 0, 64);
   ASSERT_EQ(first.size(), 18U);
@@ -68,7 +68,7 @@ TEST_F(UsbEnumerate, AsLinuxDoesIt) {
   EXPECT_EQ(host.Control({0x80, 8, 0, 0, 1}).data, Bytes{1});
 }
 
-TEST_F(UsbEnumerate, ConfigurationsOfEitherSpeedNameTheOther) {
+TEST_F(UsbEnumerate, OtherSpeedConfigurationReportsItsPacketSize) {
   const auto packet = [](const Bytes& configuration) { return Word(configuration, 22); };
   EXPECT_TRUE(device.high_speed());
   EXPECT_EQ(packet(Get(2)), 512);
@@ -81,7 +81,7 @@ TEST_F(UsbEnumerate, ConfigurationsOfEitherSpeedNameTheOther) {
 }
 
 // Walks the configuration as a host does: lengths add up to the total, endpoints are the ones in use.
-TEST_F(UsbEnumerate, TheConfigurationChainsUp) {
+TEST_F(UsbEnumerate, ConfigurationDescriptorLengthsAddUp) {
   const Bytes bytes = Get(2);
   int interfaces = 0;
   Bytes endpoints;
@@ -101,7 +101,7 @@ TEST_F(UsbEnumerate, TheConfigurationChainsUp) {
 }
 
 // As Windows: the capability gives length and vendor code of the set, its lengths add up, it has WINUSB and one GUID.
-TEST_F(UsbEnumerate, WindowsFindsWinUsb) {
+TEST_F(UsbEnumerate, MsOsDescriptorsSelectWinUsb) {
   const Bytes bos = Get(15);
   const std::size_t at = 5;
   ASSERT_EQ(bos[at + 1], 16);
@@ -132,7 +132,7 @@ TEST_F(UsbEnumerate, WindowsFindsWinUsb) {
   EXPECT_EQ(host.Control({0xC0, code, 0, 8, 10}).status, Status::kStall);
 }
 
-TEST_F(UsbEnumerate, BrowsersFindWebUsbWithoutALandingPage) {
+TEST_F(UsbEnumerate, WebUsbCapabilityHasNoLandingPage) {
   const Bytes bos = Get(15);
   const std::size_t at = 5 + 28;
   EXPECT_EQ(bos[at + 4], 0x38);
@@ -142,7 +142,7 @@ TEST_F(UsbEnumerate, BrowsersFindWebUsbWithoutALandingPage) {
   EXPECT_EQ(host.Control({0xC0, 0x21, 1, 2, 255}).status, Status::kStall);
 }
 
-TEST_F(UsbEnumerate, AnswersAreCutToWhatWasAskedFor) {
+TEST_F(UsbEnumerate, AnswersAreCutToTheRequestedLength) {
   constexpr std::uint16_t kLengths[] = {1, 8, 63, 64, 65, 128, 161, 162, 163, 192, 4096};
   for (const std::uint16_t length : kLengths) {
     const auto result = host.Control({0xC0, 0x20, 0, 7, length});
@@ -153,7 +153,7 @@ TEST_F(UsbEnumerate, AnswersAreCutToWhatWasAskedFor) {
 }
 
 // An answer of exactly 64 or 128 bytes where more was requested: an empty packet marks its end.
-TEST_F(UsbEnumerate, FullLastPacketsAreFollowedByAnEmptyOne) {
+TEST_F(UsbEnumerate, FullLastPacketIsFollowedByAZeroLengthPacket) {
   for (const std::size_t size : {64U, 128U, 512U}) {
     handler.hello_size = size;
     const auto result = host.Control({0xC0, 2, 0, 0, 4096});
@@ -179,7 +179,7 @@ TEST_F(UsbEnumerate, HelloAndEmergencyStopNeedNoConfiguration) {
   EXPECT_EQ(handler.stops, 3);
 }
 
-TEST_F(UsbEnumerate, WhatIsNotKnownStallsAndTheNextRequestWorks) {
+TEST_F(UsbEnumerate, UnknownRequestsStallAndTheNextOneWorks) {
   ASSERT_TRUE(host.SetAddress(5));
   const support::UsbRequest kRefused[] = {
       {0x80, 6, 0x0500, 0, 64},  // an endpoint's descriptor
@@ -213,7 +213,7 @@ TEST_F(UsbEnumerate, WhatIsNotKnownStallsAndTheNextRequestWorks) {
   EXPECT_EQ(device.state(), DeviceState::kAddress);
 }
 
-TEST_F(UsbEnumerate, StatusOfDeviceInterfaceAndEndpoints) {
+TEST_F(UsbEnumerate, ReportsStatusOfDeviceInterfaceAndEndpoints) {
   const Bytes zero{0, 0};
   EXPECT_EQ(host.Control({0x80, 0, 0, 0, 2}).data, zero);
   EXPECT_EQ(host.Control({0x82, 0, 0, 0, 2}).data, zero);
@@ -252,7 +252,7 @@ TEST_F(UsbEnumerate, HaltedEndpointsStallUntilCleared) {
   EXPECT_EQ(Receive(), UsbBench::Frame(60, 9));
 }
 
-TEST_F(UsbEnumerate, SetInterfaceStartsTogglesAnew) {
+TEST_F(UsbEnumerate, SetInterfaceResetsDataToggles) {
   ASSERT_EQ(host.Configure(), Status::kOk);
   ASSERT_EQ(host.BulkOut(UsbBench::Frame(10, 1)), Status::kOk);
   ASSERT_EQ(host.Control({0x01, 11, 0, 0, 0}).status, Status::kOk);

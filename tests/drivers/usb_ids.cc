@@ -15,7 +15,7 @@ ControlAction ActionOf(std::uint8_t type, wire::UsbRequest request, std::uint16_
   return AnswerControl({type, static_cast<std::uint8_t>(request), 0, index, 0}, ControlState(), data).action;
 }
 
-TEST(UsbIds, AreThoseOfTheWire) {
+TEST(UsbIds, MatchTheWireConstants) {
   EXPECT_EQ(kVendorId, wire::kUsbVendorId);
   EXPECT_EQ(kProductId, wire::kUsbProductId);
   EXPECT_EQ(kConfigurationHigh[14], wire::kUsbInterfaceClass);
@@ -29,7 +29,7 @@ TEST(UsbIds, AreThoseOfTheWire) {
 }
 
 // An emergency stop may give a reason in wValue; it stops for any value.
-TEST(UsbIds, AnEmergencyStopOfAnyReasonIsOne) {
+TEST(UsbIds, EmergencyStopAcceptsAnyReason) {
   std::uint8_t data[512];
   for (int reason = 0; reason <= 0xFFFF; ++reason) {
     const usb::Setup setup{wire::kUsbRequestTypeOut, kRequestEstop, static_cast<std::uint16_t>(reason), 0, 0};

@@ -211,7 +211,7 @@ class RandomHost : public UsbBench {
   std::uint32_t accepted_ = 0, handed_out_ = 0;
 };
 
-TEST(UsbRandomHost, AnythingAtAnyTime) {
+TEST(UsbRandomHost, RandomOperationsAccountForEveryFrame) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     RandomHost host(seed);
     for (int round = 0; round < 25 && !testing::Test::HasFailure(); ++round) {

@@ -44,7 +44,7 @@ const StandingFault kStanding[] = {
 // Faults whose cause cannot persist: "not armed" is not a failure, a self-test runs again, a watchdog reset is over.
 constexpr std::uint32_t kNothingStands = wire::kFaultNotArmed | wire::kFaultSelfTest | wire::kFaultWatchdog;
 
-TEST(FirmwareArm, EveryDetectorIsInTheTable) {
+TEST(FirmwareArm, TableCoversEveryFault) {
   std::uint32_t seen = kNothingStands;
   for (const StandingFault& standing : kStanding) seen |= standing.fault;
   EXPECT_EQ(seen, (1U << kFaultCount) - 1);
@@ -52,7 +52,7 @@ TEST(FirmwareArm, EveryDetectorIsInTheTable) {
 
 class FirmwareArm : public testing::TestWithParam<StandingFault> {};
 
-TEST_P(FirmwareArm, IsRefusedWhileTheFaultStands) {
+TEST_P(FirmwareArm, IsRefusedWhileTheCausePersists) {
   const StandingFault& standing = GetParam();
   Settings settings;
   if (standing.fault == wire::kFaultPower) settings.power_max_W = 500;

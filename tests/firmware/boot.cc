@@ -9,7 +9,7 @@ namespace test_firmware_boot {
 using wire::ArmStep;
 using wire::State;
 
-TEST(FirmwareBoot, BootsTestsIdlesArms) {
+TEST(FirmwareBoot, RunsSelfTestThenIdlesAndArms) {
   FirmwareBench bench;
   EXPECT_EQ(bench.core.state(), State::kBoot);
   ASSERT_TRUE(bench.RunUntil(State::kSelfTest, 100));
@@ -33,14 +33,14 @@ TEST(FirmwareBoot, BootsTestsIdlesArms) {
   EXPECT_EQ(bench.bad_frames, 0);
 }
 
-TEST(FirmwareBoot, TelemetryComesEveryMillisecondFromTheStart) {
+TEST(FirmwareBoot, SendsTelemetryEveryMillisecondFromBoot) {
   FirmwareBench bench;
   bench.RunMs(100);
   EXPECT_EQ(bench.telemetry_count, 100);
   EXPECT_EQ(bench.telemetry.missed_ticks, 0);
 }
 
-TEST(FirmwareBoot, TemperaturesStartFromTheResistancesOfTheSelfTest) {
+TEST(FirmwareBoot, SelfTestResistancesSetInitialTemperatures) {
   FirmwarePlant::Options options;
   options.start_C = 55;
   FirmwareBench bench({}, options);
@@ -57,7 +57,7 @@ struct Refusal {
 
 class FirmwareSelfTest : public testing::TestWithParam<Refusal> {};
 
-TEST_P(FirmwareSelfTest, RefusesAndNamesWhatIsWrong) {
+TEST_P(FirmwareSelfTest, FailsWithTheMatchingFaultUntilTheCauseIsGone) {
   FirmwareBench bench;
   GetParam().break_it(bench);
   ASSERT_TRUE(bench.RunUntil(State::kFault, 2000));
@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"noSupply", [](FirmwareBench& b) { b.plant.SetSupply(0); }, wire::kFaultSupplyLow}),
     [](const auto& test) { return test.param.name; });
 
-TEST(FirmwareBoot, WithoutSupplyTheSensorsAreTestedAllTheSame) {
+TEST(FirmwareBoot, TestsSensorsEvenWithoutSupply) {
   FirmwareBench bench;
   bench.plant.SetSupply(0);
   bool saw_test_field = false;
@@ -106,7 +106,7 @@ TEST(FirmwareBoot, WithoutSupplyTheSensorsAreTestedAllTheSame) {
   EXPECT_EQ(bench.core.faults(), wire::kFaultSupplyLow | wire::kFaultNotArmed);
 }
 
-TEST(FirmwareBoot, AWatchdogResetIsToldAndArmClearsIt) {
+TEST(FirmwareBoot, ReportsWatchdogResetUntilArm) {
   FaultRecord record;
   record.check = CheckOf(record);
   FirmwareBench bench({}, {}, ResetCause::kWatchdog, record);
@@ -115,7 +115,7 @@ TEST(FirmwareBoot, AWatchdogResetIsToldAndArmClearsIt) {
   EXPECT_EQ(bench.Arm().step, ArmStep::kArmed);
 }
 
-TEST(FirmwareBoot, SettingsThatAreNoNumbersNeverArm) {
+TEST(FirmwareBoot, NanSettingsNeverArm) {
   Settings settings;
   settings.coils[1].resistance_20C_ohm = std::numeric_limits<float>::quiet_NaN();
   FaultRecord record;
@@ -129,7 +129,7 @@ TEST(FirmwareBoot, SettingsThatAreNoNumbersNeverArm) {
   EXPECT_EQ(answer.faults & wire::kFaultInternal, wire::kFaultInternal);
 }
 
-TEST(FirmwareArming, ANonceIsGoodOnceAndFor100ms) {
+TEST(FirmwareArming, NonceIsValidOnceAndFor100ms) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunUntil(State::kIdle, 1000));
   wire::Arm confirm;
@@ -159,7 +159,7 @@ TEST(FirmwareArming, ANonceIsGoodOnceAndFor100ms) {
   EXPECT_EQ(bench.Arm().step, ArmStep::kArmed);
 }
 
-TEST(FirmwareArming, AnotherProtocolVersionIsRefused) {
+TEST(FirmwareArming, RefusesOtherProtocolVersions) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunUntil(State::kIdle, 1000));
   wire::Arm asked;
@@ -186,7 +186,7 @@ TEST(FirmwareArming, AnotherProtocolVersionIsRefused) {
   EXPECT_EQ(bench.Arm().step, ArmStep::kArmed);
 }
 
-TEST(FirmwareArming, OldSetPointsDoNotAct) {
+TEST(FirmwareArming, SetPointsFromBeforeArmingDoNotAct) {
   FirmwareBench bench;
   bench.SetAll(10);
   ASSERT_TRUE(bench.RunToArmed());

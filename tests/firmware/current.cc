@@ -10,7 +10,7 @@
 namespace omni::firmware {
 namespace test_firmware_current {
 
-TEST(FirmwareCurrent, ShrinksBetweenDerateAndMaxAndTripsOnlyThere) {
+TEST(FirmwareCurrent, DeratesWithTemperatureWithoutTripping) {
   FirmwarePlant::Options options;
   options.start_C = 50;
   FirmwareBench bench({}, options);
@@ -32,7 +32,7 @@ TEST(FirmwareCurrent, ShrinksBetweenDerateAndMaxAndTripsOnlyThere) {
   EXPECT_GT(bench.plant.largest_A(), 1);
 }
 
-TEST(FirmwareCurrent, WhereTheVoltageDoesNotSufficeItGivesWhatThereIs) {
+TEST(FirmwareCurrent, LowSupplyLimitsCurrentWithoutWindUp) {
   FirmwarePlant::Options options;
   options.supply_V = 10.5;
   options.start_C = 55;
@@ -54,7 +54,7 @@ TEST(FirmwareCurrent, WhereTheVoltageDoesNotSufficeItGivesWhatThereIs) {
 }
 
 // Near its upper limit no energy may return to the supply: coils that reverse brake first, and still reach the target.
-TEST(FirmwareCurrent, DoesNotFeedASupplyThatIsHighAlready) {
+TEST(FirmwareCurrent, LimitsEnergyReturnedToAHighSupply) {
   for (const double supply_V : {18.0, 25.2}) {
     FirmwarePlant::Options options;
     options.supply_V = supply_V;
@@ -81,7 +81,7 @@ TEST(FirmwareCurrent, DoesNotFeedASupplyThatIsHighAlready) {
   }
 }
 
-TEST(FirmwareCurrent, PowerOfAllCoilsIsShared) {
+TEST(FirmwareCurrent, TotalPowerLimitKeepsTheCurrentRatio) {
   Settings settings;
   settings.power_max_W = 150;
   FirmwareBench bench(settings);
@@ -97,7 +97,7 @@ TEST(FirmwareCurrent, PowerOfAllCoilsIsShared) {
   EXPECT_EQ(bench.core.faults(), 0U);
 }
 
-TEST(FirmwareCurrent, SlewIsLimited) {
+TEST(FirmwareCurrent, SlewRateIsLimited) {
   Settings settings;
   settings.slew_max_A_s = 1000;
   FirmwareBench bench(settings);
@@ -117,7 +117,7 @@ TEST(FirmwareCurrent, SlewIsLimited) {
 }
 
 // Three coils at once, as the host moves them: a sine of 200 Hz of set-points at 1 kHz.
-TEST(FirmwareCurrent, FollowsWhatTheHostStreams) {
+TEST(FirmwareCurrent, FollowsStreamedSetPoints) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunToArmed());
   double worst_A = 0;
@@ -136,7 +136,7 @@ TEST(FirmwareCurrent, FollowsWhatTheHostStreams) {
 
 // Means are measured; the ends of steps are computed from them by the model. While currents change by amperes in a step
 // the means are wrong by half of that.
-TEST(FirmwareCurrent, TelemetrySaysTheCurrentAtTheEndOfEachControlStep) {
+TEST(FirmwareCurrent, TelemetryReportsCurrentAtTheEndOfEachControlStep) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunToArmed());
   bench.RunMs(10);
@@ -168,7 +168,7 @@ TEST(FirmwareCurrent, TelemetrySaysTheCurrentAtTheEndOfEachControlStep) {
   EXPECT_LT(worst_A, 0.1 * worst_of_means_A);
 }
 
-TEST(FirmwareCurrent, TelemetrySaysWhatTheCoilsDo) {
+TEST(FirmwareCurrent, TelemetryReportsElectricalStateOfTheCoils) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunToArmed());
   bench.set_point_A[0] = 4;

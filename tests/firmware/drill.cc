@@ -8,7 +8,7 @@
 namespace omni::firmware {
 namespace test_firmware_drill {
 
-TEST(FirmwareDrill, ArmsAndSeesItsFaults) {
+TEST(FirmwareDrill, ReachesArmedStateAndExpectedFaults) {
   const DrillTally tally = DrillWithTally(100'000);
   EXPECT_GT(tally.armed_steps, 50'000U);
   EXPECT_GE(tally.frames, 25'000U);
@@ -18,7 +18,7 @@ TEST(FirmwareDrill, ArmsAndSeesItsFaults) {
   EXPECT_EQ(tally.faults_seen & kScenario, kScenario) << std::hex << tally.faults_seen;
 }
 
-TEST(FirmwareDrill, GivesTheSameNumberEveryTime) {
+TEST(FirmwareDrill, ChecksumIsReproducible) {
   const std::uint32_t crc = Drill(20'000);
   EXPECT_EQ(Drill(20'000), crc);
   EXPECT_NE(Drill(20'001), crc);

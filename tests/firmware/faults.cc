@@ -37,7 +37,7 @@ bool GoesOn(const MatrixRow& row, const MatrixCell& cell) {
   return row.fault == wire::kFaultNotArmed && cell.situation.state == State::kSelfTest;
 }
 
-TEST(FirmwareFaultMatrix, EveryFaultIsSeenAndEndsAtRest) {
+TEST(FirmwareFaultMatrix, DetectsEveryFaultAndEndsAtRest) {
   for (const MatrixRow& row : Matrix()) {
     for (const MatrixCell& cell : row.cells) {
       if (!cell.happens) continue;
@@ -55,14 +55,14 @@ TEST(FirmwareFaultMatrix, EveryFaultIsSeenAndEndsAtRest) {
   }
 }
 
-TEST(FirmwareFaultMatrix, HasEveryFaultThatABaseCanHave) {
+TEST(FirmwareFaultMatrix, CoversEveryFault) {
   std::uint32_t seen = 0;
   for (const MatrixRow& row : Matrix()) seen |= row.fault;
   EXPECT_EQ(seen, (1U << kFaultCount) - 1);
 }
 
 // From the last COMMAND on, whatever flows and whatever supplies it.
-TEST(FirmwareFaultMatrix, ASilentHostLeavesNoCurrentWithin20Ms) {
+TEST(FirmwareFaultMatrix, HostSilenceRemovesAllCurrentWithin20Ms) {
   const std::vector<SilenceRow>& rows = Silence();
   ASSERT_GE(rows.size(), 4U);
   EXPECT_EQ(rows.back().current_A, Settings{}.current_max_A);
@@ -75,14 +75,14 @@ TEST(FirmwareFaultMatrix, ASilentHostLeavesNoCurrentWithin20Ms) {
   }
 }
 
-TEST(FirmwareFaultMatrix, ThePageSaysWhatTheRunsGave) {
+TEST(FirmwareFaultMatrix, FaultsPageMatchesMeasurements) {
   std::ifstream file(OMNI_SOURCE_DIR "/docs/protocol/faults.md");
   std::ostringstream text;
   text << file.rdbuf();
   EXPECT_EQ(text.str(), FaultPage(Matrix(), Silence())) << "build the target fault_matrix and put its output there";
 }
 
-TEST(FirmwareFaults, HostSilenceRampsBrakesAndDisarmsWithoutAFailure) {
+TEST(FirmwareFaults, HostSilenceRampsBrakesAndReturnsToIdle) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunToArmed());
   bench.SetAll(10);
@@ -107,7 +107,7 @@ TEST(FirmwareFaults, HostSilenceRampsBrakesAndDisarmsWithoutAFailure) {
 }
 
 // A late host: a gap of eleven milliseconds has no effect, one of thirteen disarms; repeatedly.
-TEST(FirmwareFaults, ALateTickDoesNotDisarm) {
+TEST(FirmwareFaults, CommandGapWithinTimeToLiveDoesNotDisarm) {
   for (const int late_ms : {11, 13}) {
     FirmwareBench bench;
     ASSERT_TRUE(bench.RunToArmed());
@@ -127,7 +127,7 @@ TEST(FirmwareFaults, ALateTickDoesNotDisarm) {
   }
 }
 
-TEST(FirmwareFaults, ACommandsOwnTimeToLiveCounts) {
+TEST(FirmwareFaults, HonoursTheTimeToLiveOfEachCommand) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunToArmed());
   bench.host_speaks = false;
@@ -155,7 +155,7 @@ TEST(FirmwareFaults, StayUntilArmFindsTheCauseGone) {
   EXPECT_EQ(bench.Arm().step, ArmStep::kArmed);
 }
 
-TEST(FirmwareFaults, ABrakeOverrulesARamp) {
+TEST(FirmwareFaults, BrakeOverridesRamp) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunToArmed());
   bench.SetAll(10);
@@ -169,7 +169,7 @@ TEST(FirmwareFaults, ABrakeOverrulesARamp) {
   EXPECT_EQ(bench.outputs.awake, 7);
 }
 
-TEST(FirmwareFaults, OneBadSampleIsLeftOutAndNothingElseHappens) {
+TEST(FirmwareFaults, SingleHallJumpIsDiscardedWithoutFault) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunToArmed());
   bench.RunMs(10);
@@ -183,7 +183,7 @@ TEST(FirmwareFaults, OneBadSampleIsLeftOutAndNothingElseHappens) {
   EXPECT_NEAR(bench.telemetry.field[3][0], before, 100);
 }
 
-TEST(FirmwareFaults, TheRecordOutlivesAReset) {
+TEST(FirmwareFaults, RecordSurvivesReset) {
   FaultRecord kept;
   {
     FirmwareBench bench;
@@ -213,7 +213,7 @@ TEST(FirmwareFaults, TheRecordOutlivesAReset) {
   EXPECT_EQ(event.state, State::kArmed);
 }
 
-TEST(FirmwareFaults, ABrokenRecordIsAFaultUnlessPowerHasJustCome) {
+TEST(FirmwareFaults, CorruptRecordIsAFaultExceptAfterPowerOn) {
   FaultRecord noise;
   noise.fault = 0x12345678;
   noise.check = 0xDEADBEEF;
@@ -226,7 +226,7 @@ TEST(FirmwareFaults, ABrokenRecordIsAFaultUnlessPowerHasJustCome) {
   EXPECT_EQ(after_reset.faults(), wire::kFaultNotArmed | wire::kFaultInternal);
 }
 
-TEST(FirmwareFaults, TheWatchdogIsFedOnlyByAClockThatRuns) {
+TEST(FirmwareFaults, StoppedClockStopsFeedingTheWatchdog) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunToArmed());
   bench.RunMs(10);

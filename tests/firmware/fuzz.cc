@@ -183,7 +183,7 @@ TEST(FirmwareFuzz, ArmedNoiseStaysWithinLimits) {
 }
 
 // Arbitrary sensor values: faults, no crash, no duty out of range, numbers stay finite.
-TEST(FirmwareFuzz, RandomInputsAreHeldOff) {
+TEST(FirmwareFuzz, RandomInputsCauseFaultsNotUnsafeDuties) {
   std::mt19937_64 random(3);
   for (int life = 0; life < 20; ++life) {
     FirmwareBench bench;
@@ -215,7 +215,7 @@ TEST(FirmwareFuzz, RandomInputsAreHeldOff) {
 }
 
 // Whatever coils a base is built with, it arms and holds its current.
-TEST(FirmwareFuzz, OtherCoilsHoldTheirCurrent) {
+TEST(FirmwareFuzz, RandomCoilParametersHoldTheirCurrent) {
   std::mt19937_64 random(4);
   for (int base = 0; base < 40; ++base) {
     Settings settings;

@@ -6,7 +6,7 @@
 namespace omni::firmware {
 namespace test_firmware_hall {
 
-TEST(FirmwareHall, AgesCountFromTheNewestSample) {
+TEST(FirmwareHall, SampleAgesAreRelativeToTheNewest) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunUntil(wire::State::kIdle, 1000));
   std::uint64_t before_us = bench.telemetry_us;
@@ -74,7 +74,7 @@ TEST(FirmwareHall, SilentAfter5ms) {
   EXPECT_EQ(watch.Step(settings, inputs).silent, 1);
 }
 
-TEST(FirmwareHall, AJumpIsNoJumpWhereTheCoilsExplainIt) {
+TEST(FirmwareHall, JumpExplainedByCoilCurrentIsAccepted) {
   const Settings settings;
   for (const bool coils_move : {false, true}) {
     HallWatch watch;

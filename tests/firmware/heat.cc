@@ -8,7 +8,7 @@ namespace omni::firmware {
 namespace test_firmware_heat {
 
 // The paper's run of coil y: 25 s of 15 A from 24 C. Its thermometer showed 39 C 40 s later: the body.
-TEST(FirmwareHeat, TheTwoNodesMeetThePaper) {
+TEST(FirmwareHeat, TwoNodeModelMatchesThePaper) {
   const Settings settings;
   CoilHeat heat(settings);
   CoilSample samples[wire::kCoils];
@@ -20,7 +20,7 @@ TEST(FirmwareHeat, TheTwoNodesMeetThePaper) {
 }
 
 // A coil whose resistance is not measured (no current, or a wrong voltage) still counts as hot.
-TEST(FirmwareHeat, TheHotterOneCounts) {
+TEST(FirmwareHeat, TemperatureIsTheHotterOfBothEstimates) {
   const Settings settings;
   CoilHeat heat(settings);
   CoilSample samples[wire::kCoils];
@@ -41,7 +41,7 @@ TEST(FirmwareHeat, TheHotterOneCounts) {
 }
 
 // Below an ampere nothing is measured; what was measured cools along with the model.
-TEST(FirmwareHeat, CoolsWithoutCurrent) {
+TEST(FirmwareHeat, EstimateFollowsCoolingWithoutCurrent) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunToArmed());
   bench.SetAll(12);

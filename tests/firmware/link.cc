@@ -50,7 +50,7 @@ class FirmwareLink : public testing::Test {
   double largest_A_ = 0;
 };
 
-TEST_F(FirmwareLink, EveryFlippedBitIsRefused) {
+TEST_F(FirmwareLink, RejectsFramesWithAnyFlippedBit) {
   const Bytes good = bench_.Encoded(Bad());
   int count = 0;
   for (std::size_t i = 0; i < good.size(); ++i) {
@@ -63,19 +63,19 @@ TEST_F(FirmwareLink, EveryFlippedBitIsRefused) {
   ExpectRefused(count);
 }
 
-TEST_F(FirmwareLink, EveryTruncationIsRefused) {
+TEST_F(FirmwareLink, RejectsTruncatedFrames) {
   const Bytes good = bench_.Encoded(Bad());
   for (std::size_t size = 0; size < good.size(); ++size)
     bench_.Receive(Bytes(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size)));
   ExpectRefused(static_cast<int>(good.size()));
 }
 
-TEST_F(FirmwareLink, WhatIsTooLongIsRefused) {
+TEST_F(FirmwareLink, RejectsOversizedFrames) {
   bench_.Receive(Bytes(2000, 0x4F));
   ExpectRefused(1);
 }
 
-TEST_F(FirmwareLink, ReplayedAndDuplicatedCommandsAreRefused) {
+TEST_F(FirmwareLink, RejectsReplayedAndDuplicatedCommands) {
   const Bytes frame = bench_.Encoded(bench_.CommandNow());
   --bench_.seq;
   bench_.SetAll(0.5F);
@@ -88,7 +88,7 @@ TEST_F(FirmwareLink, ReplayedAndDuplicatedCommandsAreRefused) {
   ExpectRefused(2);
 }
 
-TEST_F(FirmwareLink, ReorderedCommandsAreRefused) {
+TEST_F(FirmwareLink, RejectsReorderedCommands) {
   const Bytes late = bench_.Encoded(Bad());
   bench_.SendCommand();
   bench_.Receive(late);
@@ -96,7 +96,7 @@ TEST_F(FirmwareLink, ReorderedCommandsAreRefused) {
 }
 
 // A frame recorded 40 s ago looks newer by its number alone.
-TEST_F(FirmwareLink, AnOldCommandWhoseNumberHasWrappedIsRefused) {
+TEST_F(FirmwareLink, RejectsOldCommandsAfterSequenceWrap) {
   wire::Command old = Bad();
   old.host_us -= 20'000;
   bench_.seq = static_cast<std::uint16_t>(bench_.seq + 1000);
@@ -105,7 +105,7 @@ TEST_F(FirmwareLink, AnOldCommandWhoseNumberHasWrappedIsRefused) {
   ExpectRefused(1);
 }
 
-TEST(FirmwareLinkOrder, GoesOnWhereTheNumberWraps) {
+TEST(FirmwareLinkOrder, AcceptsCommandsAcrossSequenceWrap) {
   FirmwareBench bench;
   bench.seq = 0xFE00;
   ASSERT_TRUE(bench.RunToArmed());
@@ -117,7 +117,7 @@ TEST(FirmwareLinkOrder, GoesOnWhereTheNumberWraps) {
   EXPECT_EQ(bench.core.state(), State::kArmed);
 }
 
-TEST_F(FirmwareLink, SetPointsThatAreNoNumbersOrTooLargeAreRefused) {
+TEST_F(FirmwareLink, RejectsNonFiniteAndTooLargeSetPoints) {
   constexpr float kBad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                             -std::numeric_limits<float>::infinity(), 15.01F, -1e30F};
   for (const float bad : kBad) {
@@ -132,7 +132,7 @@ TEST_F(FirmwareLink, SetPointsThatAreNoNumbersOrTooLargeAreRefused) {
   ExpectRefused(5);
 }
 
-TEST_F(FirmwareLink, FieldsOutOfRangeAreRefused) {
+TEST_F(FirmwareLink, RejectsFieldsOutOfRange) {
   wire::Command command = Bad();
   command.time_to_live_ms = 0;
   bench_.Send(command);
@@ -144,7 +144,7 @@ TEST_F(FirmwareLink, FieldsOutOfRangeAreRefused) {
   ExpectRefused(3);
 }
 
-TEST_F(FirmwareLink, OtherVersionsAndTypesAreRefused) {
+TEST_F(FirmwareLink, RejectsOtherVersionsAndTypes) {
   Bytes frame = bench_.Encoded(Bad());
   frame[2] = wire::kVersion + 1;
   Reseal(frame);
@@ -159,14 +159,14 @@ TEST_F(FirmwareLink, OtherVersionsAndTypesAreRefused) {
   ExpectRefused(5);
 }
 
-TEST_F(FirmwareLink, AFloodOfQuestionsLosesAnswersNotControl) {
+TEST_F(FirmwareLink, HelloFloodDropsAnswersNotControl) {
   for (int i = 0; i < 1000; ++i) bench_.Send(wire::Hello{});
   bench_.Fetch();
   ExpectRefused(0);
   EXPECT_LE(bench_.answers.size(), 8U + 10U);
 }
 
-TEST_F(FirmwareLink, OffKeepsItArmedWithoutCurrent) {
+TEST_F(FirmwareLink, ModeOffStaysArmedWithoutCurrent) {
   bench_.host_speaks = false;
   for (int i = 0; i < 30; ++i) {
     wire::Command command = Bad();
@@ -178,7 +178,7 @@ TEST_F(FirmwareLink, OffKeepsItArmedWithoutCurrent) {
   EXPECT_EQ(bench_.core.state(), State::kArmed);
 }
 
-TEST(FirmwareHello, SaysWhoItIs) {
+TEST(FirmwareHello, ReportsIdentityAndCapabilities) {
   FirmwareBench bench;
   Bytes ask(wire::kFrameSizeMax);
   wire::Header header;
@@ -193,7 +193,7 @@ TEST(FirmwareHello, SaysWhoItIs) {
 }
 
 // A flood of requests is answered at most 8 times, and costs no telemetry.
-TEST(FirmwareHello, AnswersAreBounded) {
+TEST(FirmwareHello, QueuedAnswersAreBounded) {
   FirmwareBench bench;
   Bytes ask(wire::kFrameSizeMax);
   wire::Header header;
@@ -224,7 +224,7 @@ class FirmwareConfig : public testing::Test {
   FirmwareBench bench_;
 };
 
-TEST_F(FirmwareConfig, GetsAndSetsWithinWhatTheBaseIsBuiltFor) {
+TEST_F(FirmwareConfig, SetsValuesOnlyWithinTheBuiltLimits) {
   EXPECT_EQ(Ask(ConfigOp::kGet, Id(ConfigId::kPowerMax_W)).value, 600);
   wire::Config answer = Ask(ConfigOp::kSet, Id(ConfigId::kPowerMax_W), 100);
   EXPECT_EQ(answer.op, ConfigOp::kValue);
@@ -247,7 +247,7 @@ TEST_F(FirmwareConfig, SetsInIdleOnly) {
   EXPECT_EQ(Ask(ConfigOp::kGet, Id(ConfigId::kPowerMax_W)).value, 600);
 }
 
-TEST_F(FirmwareConfig, AReplayedSetDoesNothing) {
+TEST_F(FirmwareConfig, IgnoresReplayedSet) {
   wire::Config config;
   config.op = ConfigOp::kSet;
   config.id = Id(ConfigId::kPowerMax_W);
@@ -259,7 +259,7 @@ TEST_F(FirmwareConfig, AReplayedSetDoesNothing) {
   EXPECT_EQ(bench_.core.settings().power_max_W, 200);
 }
 
-TEST(FirmwareLog, SaysChangesOfStateAndNotMoreThanAFewASecond) {
+TEST(FirmwareLog, LogsStateChangesAtALimitedRate) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunUntil(State::kIdle, 1000));
   wire::Log log;

@@ -36,7 +36,7 @@ void ExpectTripped(const FirmwareBench& bench) {
   EXPECT_EQ(bench.outputs.awake, 0);
 }
 
-TEST(FirmwareOutputs, ABridgeThatIsDrivenWhileIdleIsStoppedInThatStep) {
+TEST(FirmwareOutputs, BridgeDrivenWhileIdleIsStoppedInTheSameStep) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunUntil(State::kIdle, 1000));
   CoreTamper::DriveOf(bench.core).Wake();
@@ -47,7 +47,7 @@ TEST(FirmwareOutputs, ABridgeThatIsDrivenWhileIdleIsStoppedInThatStep) {
 }
 
 // The state alone does not arm: it was never entered.
-TEST(FirmwareOutputs, AStateThatWasOverwrittenDoesNotDrive) {
+TEST(FirmwareOutputs, OverwrittenStateDoesNotDrive) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunUntil(State::kIdle, 1000));
   CoreTamper::SetState(bench.core, State::kArmed);
@@ -60,7 +60,7 @@ TEST(FirmwareOutputs, AStateThatWasOverwrittenDoesNotDrive) {
   ExpectTripped(bench);
 }
 
-TEST(FirmwareOutputs, ARampThatDoesNotEndIsCutOff) {
+TEST(FirmwareOutputs, EndlessRampIsCutOff) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunToArmed());
   bench.SetAll(5);
@@ -79,7 +79,7 @@ TEST(FirmwareOutputs, ARampThatDoesNotEndIsCutOff) {
   EXPECT_EQ(bench.core.faults() & wire::kFaultInternal, wire::kFaultInternal);
 }
 
-TEST(FirmwareOutputs, ArmingAgainNeedsTheSelfTest) {
+TEST(FirmwareOutputs, RearmingRequiresTheSelfTest) {
   FirmwareBench bench;
   ASSERT_TRUE(bench.RunUntil(State::kIdle, 1000));
   CoreTamper::DriveOf(bench.core).Wake();
@@ -95,7 +95,7 @@ TEST(FirmwareOutputs, ArmingAgainNeedsTheSelfTest) {
 }
 
 // Every single bit of Drive's state, in an idle base.
-TEST(FirmwareOutputs, NoFlippedBitOfTheDriveDrivesAnIdleBase) {
+TEST(FirmwareOutputs, FlippedDriveBitNeverDrivesAnIdleBase) {
   static_assert(std::is_trivially_copyable<Drive>::value, "its bits are all there is");
   FirmwareBench idle;
   ASSERT_TRUE(idle.RunUntil(State::kIdle, 1000));

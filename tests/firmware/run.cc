@@ -41,7 +41,7 @@ struct MemoryBoard {
   int received = 0;
 };
 
-TEST(FirmwareRun, ReadsStepsWritesThenSpeaks) {
+TEST(FirmwareRun, ReadsStepsWritesThenSends) {
   MemoryBoard board;
   FaultRecord record;
   Runner<MemoryBoard> runner(board, Settings{}, ResetCause::kPower, 1, record);
@@ -52,7 +52,7 @@ TEST(FirmwareRun, ReadsStepsWritesThenSpeaks) {
   EXPECT_EQ(runner.core().state(), wire::State::kIdle);
 }
 
-TEST(FirmwareRun, AFloodOfFramesWaits) {
+TEST(FirmwareRun, HandlesAtMostFourFramesPerStep) {
   MemoryBoard board;
   FaultRecord record;
   Runner<MemoryBoard> runner(board, Settings{}, ResetCause::kPower, 1, record);

@@ -9,7 +9,7 @@
 namespace omni::firmware {
 namespace test_firmware_settings {
 
-TEST(FirmwareSettings, AreThoseOfTheDeviceFile) {
+TEST(FirmwareSettings, DefaultsMatchTheDeviceFile) {
   const auto device = config::LoadDeviceFile(OMNI_SOURCE_DIR "/manifests/device/omni.toml");
   ASSERT_TRUE(device.ok()) << device.error();
   const Settings settings;
@@ -32,7 +32,7 @@ TEST(FirmwareSettings, AreThoseOfTheDeviceFile) {
   EXPECT_NEAR(settings.field_full_scale, device->sensor_range_T / device->sensor_lsb_T, 1);
 }
 
-TEST(FirmwareSettings, WhatIsNoNumberOrOutOfOrderIsNotValid) {
+TEST(FirmwareSettings, RejectsNonFiniteNegativeAndUnorderedValues) {
   EXPECT_TRUE(AreValid(Settings{}));
   constexpr float kBad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1};
   float Settings::*const kFields[] = {

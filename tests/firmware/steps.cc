@@ -9,7 +9,7 @@
 namespace omni::firmware {
 namespace test_firmware_steps {
 
-TEST(FirmwareStep, RisesWithoutOvershootAndStays) {
+TEST(FirmwareStep, MeetsRiseOvershootAndSteadyErrorLimits) {
   for (const StepCase& step : PageSteps()) {
     for (int coil = 0; coil < wire::kCoils; ++coil) {
       SCOPED_TRACE(testing::Message() << "0 to " << step.target_A << " A at " << step.supply_V << " V, "
@@ -26,7 +26,7 @@ TEST(FirmwareStep, RisesWithoutOvershootAndStays) {
 }
 
 // The paper's constant force run: its drift compensation, here by closing the loop and tracking the resistance.
-TEST(FirmwareStep, StaysOver15MinutesOfHeatingAndThePageSaysSo) {
+TEST(FirmwareStep, HoldsCurrentFor15MinutesAndMatchesThePage) {
   const HeatingRun run = MeasureHeating();
   EXPECT_EQ(run.faults, 0U);
   EXPECT_GT(run.copper_C, 24 + 15);

@@ -15,7 +15,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 // Within this many radii of its formula.
 constexpr double kExact = 3 * kBallMargin;
 
-TEST(Ball, RestsOnAPlaneHoweverItIsCut) {
+TEST(Ball, RestsOnAPlaneWhateverItsTessellation) {
   for (const int n : {1, 7, 40}) {
     for (const double radius_m : {1e-5, 5e-4, 2e-3, 1e-2}) {
       BallScenario ball(Built(SceneOf(Block(n, {0.03, 0.03, 0.01}))), radius_m, {0, 0, 0.03});
@@ -49,7 +49,7 @@ std::vector<std::array<double, 2>> GrooveProfile(double opening_deg, double dept
 
 // Pressed into a groove, the ball lies on both walls at once: its centre r / sin(opening / 2) over the bottom, and the
 // walls share the push as statics says. At rest nothing moves at all.
-TEST(Ball, GroovesHoldItOnBothWalls) {
+TEST(Ball, RestsOnBothWallsOfAGroove) {
   Random random(1002);
   for (const double opening_deg : {10.0, 30.0, 60.0, 90.0, 120.0, 150.0, 170.0}) {
     for (const int cut : {1, 6}) {
@@ -85,7 +85,7 @@ TEST(Ball, GroovesHoldItOnBothWalls) {
 }
 
 // Three walls that meet in a corner, of any attitude, within the same tick.
-TEST(Ball, CornersHoldItOnThreeWalls) {
+TEST(Ball, RestsOnThreeWallsOfACorner) {
   Random random(1003);
   for (int round = 0; round < 60; ++round) {
     const Vec3 a = Normalized(random.InBox(1)), b = Normalized(Cross(a, random.InBox(1))), c = Cross(a, b);
@@ -120,7 +120,7 @@ TEST(Ball, CornersHoldItOnThreeWalls) {
 
 // On a round body the centre is r over the surface where the device point is: facets sag by no more than what is
 // allowed for.
-TEST(Ball, CurvedSurfacesGiveTheirOffset) {
+TEST(Ball, FollowsOffsetOfCurvedSurfaces) {
   Random random(1004);
   constexpr double kBody_m = 0.02;
   const Scene scene = Built(SceneOf(Sphere(60, kBody_m)));
@@ -144,7 +144,7 @@ TEST(Ball, CurvedSurfacesGiveTheirOffset) {
 }
 
 // Inside a hollow ball, where every facet is concave, and in the ring of a torus.
-TEST(Ball, HollowSurfacesGiveTheirOffset) {
+TEST(Ball, FollowsOffsetOfHollowSurfaces) {
   Random random(1005);
   constexpr double kBody_m = 0.02;
   SceneInput input = SceneOf(Sphere(50, kBody_m));
@@ -169,7 +169,7 @@ TEST(Ball, HollowSurfacesGiveTheirOffset) {
 
 // A plate in any attitude, at any speed, with ticks missing: the ball stays on the side it came from. Balls of less
 // than the plate's thickness as well as of much more.
-TEST(Ball, PlatesLetNothingThrough) {
+TEST(Ball, DoesNotPassThroughPlates) {
   Random random(1006);
   for (const double thickness_m : {1e-4, 5e-4, 2e-3}) {
     for (const double speed_m_s : {1.0, 5.0, 20.0}) {
@@ -202,7 +202,7 @@ TEST(Ball, PlatesLetNothingThrough) {
 }
 
 // Flying past a plate's edge in one tick, the ball is caught exactly if its flank meets the edge on the way.
-TEST(Ball, FlanksMeetEdges) {
+TEST(Ball, FlankIsCaughtByAPlateEdge) {
   Random random(1007);
   int caught = 0, passed = 0;
   for (int round = 0; round < 400; ++round) {
@@ -230,7 +230,7 @@ TEST(Ball, FlanksMeetEdges) {
 }
 
 // A hole stops the ball that is larger than it and lets the smaller one through: a point tip cannot do this.
-TEST(Ball, HolesStopWhatIsLarger) {
+TEST(Ball, HoleStopsLargerBallsOnly) {
   InputObject plate;
   plate.name = "plate with a hole";
   plate.double_sided = true;
@@ -263,7 +263,7 @@ TEST(Ball, HolesStopWhatIsLarger) {
 
 // As the radius goes to zero the centre goes to the point proxy; on a round body it may rest on another facet near by,
 // three of them apart at most.
-TEST(Ball, SmallBallsAreThePointProxy) {
+TEST(Ball, SmallBallConvergesToThePointProxy) {
   Random random(1008);
   constexpr double kFacets = 3 * 90 * kDegree / 40;
   const std::pair<Scene, double> cases[] = {{Built(SceneOf(Block(5, {0.02, 0.02, 0.02}))), 0},
@@ -317,7 +317,7 @@ TEST(Ball, StartsOutside) {
 }
 
 // A face that rises by less than the radius a tick pushes the ball along with it.
-TEST(Ball, IsPushedByWhatMoves) {
+TEST(Ball, IsPushedByARisingFace) {
   SceneInput input = SceneOf(Block(4, {0.02, 0.02, 0.01}));
   input.materials[0].extrude.enabled = true;
   const Scene scene = Built(input);
@@ -357,7 +357,7 @@ TEST(Ball, AllocatesNothing) {
 }
 
 // A device point that is no number changes nothing.
-TEST(Ball, ThatIsGivenNoNumberStays) {
+TEST(Ball, IgnoresNonFiniteDevicePoints) {
   BallScenario ball(Built(SceneOf(Sphere(8, 0.02))), 1e-3, {0, 0, 0.0205});
   const BallState before = ball.state;
   for (const double odd : {std::nan(""), HUGE_VAL, -1e300}) {

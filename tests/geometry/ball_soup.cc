@@ -125,7 +125,7 @@ TEST(BallInSoup, IsDeterministicAndStillAtRest) {
 
 // However many triangles there are, and wherever the device point jumps to, a tick reads a bounded number; where they
 // all touch the ball at once, it is held, and released when it is pulled away.
-TEST(BallInSoup, WorkIsBoundedWhereTheMeshIsTooFine) {
+TEST(BallInSoup, WorkPerTickIsBoundedOnTooFineMeshes) {
   Random random(1203);
   std::vector<Corners> cup;  // 20000 facets whose middles are all within rounding of one distance
   constexpr double kCup_m = 0.005;
@@ -174,7 +174,7 @@ ProfilePoints StairProfile() {
 
 // Strokes over ridges and stairs, coarse and fine: the mesh's triangles have no effect, and wherever the pen stops the
 // ball is at a local minimum.
-TEST(BallOnProfiles, StrokesDoNotFeelTheTriangles) {
+TEST(BallOnProfiles, PathDoesNotDependOnTessellation) {
   Random random(1204);
   for (const ProfilePoints& profile : {RidgeProfile(60), RidgeProfile(90), RidgeProfile(150), StairProfile()}) {
     for (const double radius_m : {3e-4, 1.2e-3}) {

@@ -23,7 +23,7 @@ InputObject Groove(int around, int pieces) {
   });
 }
 
-TEST(ConcaveEdge, LosesNoContactOnTheWayAcross) {
+TEST(ConcaveEdge, NoMissedOrFalseContactWhileCrossing) {
   Material m;
   m.static_friction = m.dynamic_friction = 0;
   for (const int pieces : {1, 6}) {

@@ -64,7 +64,7 @@ std::vector<HalfSpace> RandomSpaces(Random& random, double offset) {
   return spaces;
 }
 
-TEST(HalfSpaces, NearestIsThatOfAllChoices) {
+TEST(HalfSpaces, NearestPointMatchesEnumeration) {
   Random random(1101);
   int with[4] = {};
   for (int k = 0; k < 5000; ++k) {
@@ -87,7 +87,7 @@ TEST(HalfSpaces, NearestIsThatOfAllChoices) {
 }
 
 // With offsets of either sign there may be no common point; where one is reported it is one.
-TEST(HalfSpaces, SaysWhenThereIsNoCommonPoint) {
+TEST(HalfSpaces, ReportsInfeasibleSets) {
   Random random(1102);
   int none = 0, some = 0;
   for (int k = 0; k < 5000; ++k) {

@@ -31,7 +31,7 @@ class Renumbered {
 };
 static_assert(MeshView<Renumbered>);
 
-TEST(Proxy, IsTheSameOnEveryView) {
+TEST(Proxy, RenumberedMeshGivesTheSameProxy) {
   Random random(21);
   const Scene scene = Built(SceneOf(
       Periodic(60, 24, [](double u, double v) { return TorusPoint(0.02, 0.006 + 0.001 * std::cos(7 * u), u, v); })));
@@ -51,7 +51,7 @@ TEST(Proxy, IsTheSameOnEveryView) {
 
 // Wandering deep inside a coarse ball the proxy is the nearest point, whatever the facets; but for rare ticks in which
 // only a triangle over the corner is nearer.
-TEST(Proxy, TakesTheNearestFacetOfASmoothFace) {
+TEST(Proxy, FindsTheNearestFacetOfASmoothFace) {
   for (const int n : {6, 10, 20}) {
     const Scene scene = Built(SceneOf(Sphere(n, 0.02)));
     const Surface surface(scene, {});
@@ -89,7 +89,7 @@ TEST(Proxy, StaysOnItsFaceAtACrease) {
   }
 }
 
-TEST(Layout, LiesInCacheLinesAndInTheOrderOfLeaves) {
+TEST(Layout, BlockIsCacheLineAlignedAndInLeafOrder) {
   const Scene scene = Built(SceneOf(Sphere(42, 0.02)));
   const auto at_line = [](const void* p) { return reinterpret_cast<std::uintptr_t>(p) % 64 == 0; };
   EXPECT_TRUE(at_line(scene.vertices().data()) && at_line(scene.triangles().data()));

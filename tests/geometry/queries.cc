@@ -25,7 +25,7 @@ std::vector<Shape> Shapes() {
            })}};
 }
 
-TEST(Queries, NearestPointIsThatOfBruteForce) {
+TEST(Queries, NearestPointMatchesBruteForce) {
   Random random(101);
   for (const Shape& shape : Shapes()) {
     const Scene scene = Built(SceneOf(shape.object));
@@ -45,7 +45,7 @@ TEST(Queries, NearestPointIsThatOfBruteForce) {
   }
 }
 
-TEST(Queries, FirstCrossingIsThatOfBruteForce) {
+TEST(Queries, FirstCrossingMatchesBruteForce) {
   Random random(102);
   int hits = 0;
   for (const Shape& shape : Shapes()) {
@@ -68,7 +68,7 @@ TEST(Queries, FirstCrossingIsThatOfBruteForce) {
   EXPECT_GT(hits, 500);
 }
 
-TEST(Queries, SignIsThatOfTheWindingNumber) {
+TEST(Queries, SignMatchesTheWindingNumber) {
   Random random(103);
   int inside = 0;
   for (const Shape& shape : Shapes()) {
@@ -134,7 +134,7 @@ bool Holds(const TreeNode& node, int k, const Vec3& v) {
          node.lower[2][k] <= v.z && v.z <= node.upper[2][k];
 }
 
-TEST(Queries, TreeIsShallowAndItsBoxesHoldEveryOffset) {
+TEST(Queries, TreeBoxesHoldTrianglesAtEveryExtrudeOffset) {
   Material clay;
   clay.extrude.enabled = true;
   InputObject fan;  // needles of very different sizes

@@ -90,7 +90,7 @@ Miss MissOn(const Vec3& half_m, int times, Random& random) {
 
 // On a ball the shaded normal is the true one, on an ellipsoid it is nearer by a factor that grows as the mesh gets
 // finer.
-TEST(Shading, ComesNearTheTrueNormal) {
+TEST(Shading, ShadedNormalIsCloserToTheTrueNormal) {
   Random random(1301);
   for (const int times : {1, 2, 3, 4}) {
     const Miss ball = MissOn({0.02, 0.02, 0.02}, times, random);
@@ -168,7 +168,7 @@ TEST(Shading, LeavesFlatFacesAndSharpEdgesAlone) {
 
 // Work of the force on a tip that is led around a closed path at constant depth, in units of the energy K d^2 / 2 that
 // the contact holds. Shading turns the force out of the spring's direction, so it is not zero; it stays a small share.
-TEST(Shading, ClosedPathsGainLittle) {
+TEST(Shading, EnergyGainedOnClosedPathsIsSmall) {
   Random random(1304);
   const Scene scene = Built(SceneOf(Icosphere(2, {0.02, 0.02, 0.02})));
   const Surface surface(scene, {});

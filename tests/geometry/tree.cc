@@ -82,7 +82,7 @@ Vec3 Somewhere(const NamedSoup& named, int k, Random& random) {
   }
 }
 
-TEST(Tree, NearestIsThatOfAskingAll) {
+TEST(Tree, NearestMatchesBruteForce) {
   Random random(11);
   for (const NamedSoup& named : Soups(1)) {
     const Soup& soup = named.soup;
@@ -104,7 +104,7 @@ TEST(Tree, NearestIsThatOfAskingAll) {
   }
 }
 
-TEST(Tree, CrossingIsThatOfAskingAll) {
+TEST(Tree, CrossingMatchesBruteForce) {
   Random random(12);
   int hits = 0;
   for (const NamedSoup& named : Soups(2)) {
@@ -156,7 +156,7 @@ TEST(Tree, FloatBoundsNeverExceedTheDistance) {
   EXPECT_GT(tightest, 0.999) << "a bound that excludes nothing is no bound";
 }
 
-TEST(Tree, IsShallowCompleteAndTight) {
+TEST(Tree, DepthIsBoundedAndBoxesHoldEveryTriangle) {
   for (const NamedSoup& named : Soups(4)) {
     const Soup& soup = named.soup;
     std::vector<std::pair<std::uint32_t, int>> stack{{soup.tree.root, 1}};
@@ -192,7 +192,7 @@ TEST(Tree, IsShallowCompleteAndTight) {
 }
 
 // Centres that every cut by the surface-area heuristic peels off one by one.
-TEST(Tree, IsShallowAlsoWhereCutsPeel) {
+TEST(Tree, DepthIsBoundedWhenCutsPeelSingleTriangles) {
   std::vector<Corners> corners;
   for (int i = 0; i < 20'000; ++i) {
     const double x = 9 * std::pow(0.9985, i);
@@ -212,7 +212,7 @@ TEST(Tree, IsShallowAlsoWhereCutsPeel) {
   EXPECT_LE(deepest, kMaxTreeDepth);
 }
 
-TEST(Tree, IsTheSameEveryTime) {
+TEST(Tree, BuildIsDeterministic) {
   const std::vector<NamedSoup> first = Soups(5), second = Soups(5);
   for (std::size_t i = 0; i < first.size(); ++i) {
     const Soup &a = first[i].soup, &b = second[i].soup;
@@ -223,7 +223,7 @@ TEST(Tree, IsTheSameEveryTime) {
   }
 }
 
-TEST(Tree, PointsThatAreNoNumbersFindNothing) {
+TEST(Tree, NonFinitePointsFindNothing) {
   Random random(6);
   const Soup soup(Make(50, random, [](int, Random& r) { return Around(r.InBox(0.05), 2e-3, r); }));
   const double nan = std::nan("");

@@ -48,7 +48,7 @@ TEST_P(HandRace, FinishesALapHoweverLateTheCarIsSeen) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, HandRace, testing::Range(0, 6));
 
-TEST(HandRaceAlone, SeenAtOnceTheLapIsSwiftAndClean) {
+TEST(HandRaceAlone, LapWithoutVisualDelayIsFastAndHitFree) {
   const auto intent = tools::IntentFor(Track(), {});
   ASSERT_TRUE(intent.ok()) << intent.error();
   LedScenario story(Track(), RaceHand(), 1, {});

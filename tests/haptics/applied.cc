@@ -64,7 +64,7 @@ Constraint Spring(double stiffness_N_m, const Vec3& point = {}) {
   return {.kind = ConstraintKind::kPoint, .stiffness_N_m = stiffness_N_m, .max_force_N = 10, .point_base_m = point};
 }
 
-TEST(Applied, ForceComesAndGoesWithItsTime) {
+TEST(Applied, ForceLastsItsDurationThenFadesToZero) {
   Bench bench;
   bench.Push({0.5, 0, 0}, 0.050);
   for (int i = 0; i < 20; ++i) bench.Tick();
@@ -77,7 +77,7 @@ TEST(Applied, ForceComesAndGoesWithItsTime) {
   EXPECT_FALSE(bench.output.acts);
 }
 
-TEST(Applied, ARenewedForceGoesOn) {
+TEST(Applied, RenewedForceContinuesWithoutGap) {
   Bench bench;
   for (int frame = 0; frame < 50; ++frame) {
     bench.Push({0, 0.4, 0}, 0.030);
@@ -86,7 +86,7 @@ TEST(Applied, ARenewedForceGoesOn) {
   }
 }
 
-TEST(Applied, RampsTakeTheirTime) {
+TEST(Applied, ForceRampsUpOverTheRequestedTime) {
   Bench bench;
   bench.Push({0, 0, 1}, 0.1, 0.040);
   double last = 0;
@@ -100,7 +100,7 @@ TEST(Applied, RampsTakeTheirTime) {
 }
 
 // Everything that ends a force ends it within 20 ms, without a kick.
-TEST(Applied, EverythingEndsIn20Milliseconds) {
+TEST(Applied, ForceEndsWithin20MillisecondsForEveryCause) {
   const auto endings = std::array{
       +[](Bench& b) { b.command.open = false; },
       +[](Bench& b) { b.input.allowed = false; },
@@ -128,7 +128,7 @@ TEST(Applied, EverythingEndsIn20Milliseconds) {
 }
 
 // A device whose stamps stand still must not keep a force alive: the service ends it by its own clock.
-TEST(Applied, StandingStampsEndToo) {
+TEST(Applied, ForceEndsWhenDeviceTimestampsStall) {
   Bench bench;
   bench.Push({0.5, 0, 0}, 0.1);
   for (int i = 0; i < 20; ++i) bench.Tick();
@@ -141,7 +141,7 @@ TEST(Applied, StandingStampsEndToo) {
   EXPECT_LE(ticks, 20);
 }
 
-TEST(Applied, ConstraintsComeBackAfterSilence) {
+TEST(Applied, ConstraintsReturnAfterReopening) {
   Bench bench;
   bench.input.device_point_base_m = {0.003, 0, 0};
   bench.Set({Spring(200)});
@@ -157,7 +157,7 @@ TEST(Applied, ConstraintsComeBackAfterSilence) {
 
 // From one set to another, and to none: a tenth of the difference each tick, although the slew limit would allow 0.85
 // N.
-TEST(Applied, ChangesOfConstraintsAreBlended) {
+TEST(Applied, ConstraintChangesAreBlended) {
   Bench bench;
   bench.Set({Spring(400, {-0.002, 0, 0})});
   for (int i = 0; i < 300; ++i) bench.Tick();
@@ -180,7 +180,7 @@ TEST(Applied, ChangesOfConstraintsAreBlended) {
 }
 
 // A pen that is not seen for a while gets the force back if its time is not up, and never one whose time is.
-TEST(Applied, LostSightNeitherKeepsNorRevivesAForce) {
+TEST(Applied, ForceReturnsAfterTrackingLossOnlyIfNotExpired) {
   Bench bench;
   bench.Push({1, 0, 0}, 0.1);
   for (int i = 0; i < 30; ++i) bench.Tick();
@@ -201,7 +201,7 @@ TEST(Applied, LostSightNeitherKeepsNorRevivesAForce) {
 
 // Random applications, hands and lost sight: never over the force limit, never faster than the slew limit, always a
 // number.
-TEST(Applied, BoundedAndWithoutKicksWhateverIsAsked) {
+TEST(Applied, ForceAndSlewStayBoundedForRandomRequests) {
   std::mt19937_64 random(7);
   const auto in = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
   const auto vector = [&](double s) { return Vec3{in(-s, s), in(-s, s), in(-s, s)}; };
@@ -250,7 +250,7 @@ TEST(Applied, BoundedAndWithoutKicksWhateverIsAsked) {
 
 // Springs in all directions together stay within the stiffness bound; the device point is moved a little, the force
 // read.
-TEST(Applied, SpringsTogetherKeepToTheOffer) {
+TEST(Applied, CombinedSpringsStayWithinTheStiffnessBound) {
   std::mt19937_64 random(8);
   const auto in = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
   for (int run = 0; run < 60; ++run) {
@@ -280,7 +280,7 @@ TEST(Applied, SpringsTogetherKeepToTheOffer) {
   }
 }
 
-TEST(Applied, ContactsComeFirst) {
+TEST(Applied, ContactsTakePrecedenceOverConstraints) {
   Bench bench;
   bench.input.device_point_base_m = {0, 0, -0.002};
   bench.Set({{.kind = ConstraintKind::kPlane, .stiffness_N_m = 500, .max_force_N = 5, .direction_base = {0, 0, 1}}});
@@ -324,7 +324,7 @@ double SwingAfter2s_m(double given_N_m) {
   return largest_m;
 }
 
-TEST(Applied, AHandOnAStiffSpringComesToRest) {
+TEST(Applied, StiffSpringUnderDelayComesToRest) {
   EXPECT_LT(SwingAfter2s_m(140), 2e-5);
   EXPECT_GT(SwingAfter2s_m(2000), 2e-4) << "without the limit it would not: this test can fail";
 }

@@ -38,7 +38,7 @@ InputObject Trough(double half_angle) {
   return object;
 }
 
-TEST(BallTip, IsHeldAtItsRadius) {
+TEST(BallTip, ContactStartsAtTheTipRadius) {
   for (const double radius_m : {0.0005, 0.003, 0.01}) {
     Pen pen(Built(WithBall(Block(8, {0.02, 0.02, 0.01}), Slippery(), radius_m)));
     pen.MoveTo({0.001, 0.002, 0.01 + radius_m + 0.002});
@@ -75,7 +75,7 @@ TEST(BallTip, RestsOnBothWallsOfATrough) {
 }
 
 // Fast, through plates thinner than a tick's way, from both sides of a sheet.
-TEST(BallTip, PassesNothingAtAnySpeed) {
+TEST(BallTip, DoesNotPassThroughPlatesAtAnySpeed) {
   for (const double speed_m_s : {1.0, 5.0, 20.0}) {
     for (const double thickness_m : {0.0001, 0.002}) {
       Pen pen(Built(WithBall(Block(2, {0.05, 0.05, thickness_m / 2}))));
@@ -103,7 +103,7 @@ TEST(BallTip, SticksAndSlips) {
 }
 
 // A surface that pops through lets the ball in, and can be touched again afterwards.
-TEST(BallTip, PopsThroughAndComesBack) {
+TEST(BallTip, PopsThroughAndTouchesAgainAfterLeaving) {
   Material foil = Slippery();
   foil.pop_through_N = 0.5;
   Pen pen(Built(WithBall(Block(4, {0.02, 0.02, 0.01}), foil)));
@@ -119,7 +119,7 @@ TEST(BallTip, PopsThroughAndComesBack) {
 }
 
 // A tip that appears inside gets a gentle force; a far one costs a check of the motion bound; nothing is allocated.
-TEST(BallTip, AppearsInsideAndComesFromAfar) {
+TEST(BallTip, FadesInInsideAndReturnsFromAfarWithoutAllocation) {
   Pen pen(Built(WithBall(Sphere(16, 0.02))));
   pen.config.ramp_s = 0.1;
   const loop::AllocProbe probe;
@@ -137,7 +137,7 @@ TEST(BallTip, AppearsInsideAndComesFromAfar) {
 }
 
 // On a sculpted surface the ball stays outside of a bump pulled up under it.
-TEST(BallTip, RollsOnASculptedSurface) {
+TEST(BallTip, FollowsASurfaceSculptedUnderIt) {
   using namespace sculpt;
   SceneInput input = WithBall(Sphere(40, 0.03));
   Scene scene = Built(input);
@@ -168,7 +168,7 @@ TEST(BallTip, RollsOnASculptedSurface) {
 }
 
 // The force on a coarse ball points along the radius; edges of a block are not rounded.
-TEST(SmoothTag, FacetsAreFeltAsTheBodyTheyStandFor) {
+TEST(SmoothTag, ForceOnFacetsFollowsTheSmoothSurface) {
   Material smooth = Slippery();
   smooth.smooth = true;
   Pen shaded(Built(SceneOf(Sphere(4, 0.02), smooth))), facetted(Built(SceneOf(Sphere(4, 0.02), Slippery())));

@@ -17,7 +17,7 @@ std::vector<Corners> CornersOf(const Scene& scene, std::uint32_t object) {
   return CornersOf(Surface(scene, {}), scene.objects()[object]);
 }
 
-TEST(BallInStep, StaysOutsideWhereverItSlides) {
+TEST(BallInStep, StaysOutsideWhileSlidingOverBodies) {
   std::uint64_t seed = 31'000;
   for (const BallBody& body : BallBodies()) {
     for (const double radius_m : {0.0005, 0.0015, 0.003}) {
@@ -31,7 +31,7 @@ TEST(BallInStep, StaysOutsideWhereverItSlides) {
 }
 
 // Around the edges of twelve triangles a tick's moves are used up now and then while the ball has left the rim.
-TEST(BallInStep, GoesOnAfterATickThatWasTooShort) {
+TEST(BallInStep, ContinuesAfterATickRunsOutOfMoves) {
   constexpr double kRadius_m = 0.0005;
   const InputObject cube = Turned(Block(1, {0.012, 0.012, 0.012}), {1, 2, 3}, 0.7);
   const Scene scene = Built(BallScene(cube, kRadius_m));
@@ -53,7 +53,7 @@ TEST(BallInStep, GoesOnAfterATickThatWasTooShort) {
 
 // A tip that moves further in a tick than the ball can roll over a fine mesh: until the ball has caught up, there is no
 // force without a touch.
-TEST(BallInStep, FeelsNothingOnItsWayThroughTheOpen) {
+TEST(BallInStep, NoForceWhileTheBallCatchesUpThroughFreeSpace) {
   constexpr double kRadius_m = 0.003;
   const Scene scene = Built(BallScene(sculpt::BumpyBall(60, 0.02, 0.12), kRadius_m));
   const Surface surface(scene, {});
@@ -79,7 +79,7 @@ TEST(BallInStep, FeelsNothingOnItsWayThroughTheOpen) {
 }
 
 // Wherever the tip is when a scene comes, and when the pen comes back.
-TEST(BallInStep, StartsOutside) {
+TEST(BallInStep, StartsOutsideAfterSwapOrTrackingLoss) {
   Random random(32'002);
   for (const BallBody& body : BallBodies()) {
     for (const double radius_m : {0.0005, 0.003}) {
@@ -108,7 +108,7 @@ base::Quat Turn(const Vec3& axis, double angle_rad) {
 }
 
 // The application moves and turns a body about a hand, over it while the pen is not seen, and puts it elsewhere.
-TEST(BallInStep, StaysOutsideOfABodyThatIsMoved) {
+TEST(BallInStep, StaysOutsideAMovingBody) {
   for (const BallBody& body : BallBodies()) {
     constexpr double kRadius_m = 0.0008;
     SceneInput input = BallScene(body.object, kRadius_m);
@@ -139,7 +139,7 @@ TEST(BallInStep, StaysOutsideOfABodyThatIsMoved) {
 }
 
 // Bodies that touch each other, two, and more than there are slots: the ball rolls over each by itself.
-TEST(BallInStep, StaysOutsideOfEachOfSeveralBodies) {
+TEST(BallInStep, StaysOutsideSeveralBodies) {
   constexpr double kRadius_m = 0.001;
   for (const int count : {2, 7}) {
     SceneInput input = BallScene(Block(1, {0.012, 0.012, 0.012}), kRadius_m);
@@ -176,7 +176,7 @@ TEST(BallInStep, StaysOutsideOfEachOfSeveralBodies) {
 }
 
 // A face is pushed out from under a small ball, which touches it or hovers, by more than its size in a tick.
-TEST(BallInStep, StaysOutsideOfAFaceThatPassesIt) {
+TEST(BallInStep, StaysOutsideAnExtrudedFaceThatPassesIt) {
   constexpr double kRadius_m = 1e-4, kTop_m = 0.01, kWay_m = 4e-4;
   for (const double height_m : {-5e-5, 5e-5}) {
     for (const bool is_seen : {true, false}) {
@@ -206,7 +206,7 @@ std::vector<Corners> CornersOf(const Mesh& mesh) {
 }
 
 // The surface is pulled over a ball that touches or hovers, by more than its size and at once, and let back.
-TEST(BallInStep, StaysOutsideOfASurfaceThatIsSculptedOverIt) {
+TEST(BallInStep, StaysOutsideASurfaceSculptedOverIt) {
   using namespace sculpt;
   constexpr double kRadius_m = 0.001;
   Scene scene = Built(BallScene(Sphere(16, 0.02), kRadius_m));
@@ -245,7 +245,7 @@ TEST(BallInStep, StaysOutsideOfASurfaceThatIsSculptedOverIt) {
 }
 
 // A soft body deforms under the ball, whose place is kept on the body at rest.
-TEST(BallInStep, StaysOutsideOfASoftBodyAtRest) {
+TEST(BallInStep, StaysOutsideTheRestShapeOfASoftBody) {
   for (const double radius_m : {0.0005, 0.002}) {
     SceneInput input = BallScene(SoftBallMesh(), radius_m);
     input.materials[0].softness = {.model = SoftnessModel::kTet, .young_modulus_Pa = kSoftModulus_Pa};

@@ -30,7 +30,7 @@ void ExpectSolid(const Scene& scene) {
   EXPECT_EQ(pen.output.contact_count, 0);
 }
 
-TEST(BuildScene, MakesOneClosedObjectOfAnUnweldedBlock) {
+TEST(BuildScene, WeldsABlockIntoOneClosedObject) {
   BuildReport report;
   const auto scene = BuildScene(SceneOf(SmallBlock()), report);
   ASSERT_TRUE(scene.ok()) << scene.error();
@@ -54,7 +54,7 @@ TEST(BuildScene, WeldsAlmostEqualVertices) {
   ExpectSolid(scene);
 }
 
-TEST(BuildScene, UnweldsIntoTrianglesAndBack) {
+TEST(BuildScene, WeldsATriangleSoup) {
   const InputObject block = SmallBlock();
   InputObject soup;
   for (const auto& t : block.triangles) {
@@ -65,7 +65,7 @@ TEST(BuildScene, UnweldsIntoTrianglesAndBack) {
   ExpectSolid(Built(SceneOf(soup)));
 }
 
-TEST(BuildScene, TurnsInsideOutAndHalfFlippedMeshes) {
+TEST(BuildScene, ReorientsInsideOutAndHalfFlippedMeshes) {
   InputObject inside_out = SmallBlock();
   for (auto& t : inside_out.triangles) std::swap(t[0], t[1]);
   BuildReport report;
@@ -104,7 +104,7 @@ TEST(BuildScene, KeepsACavity) {
   EXPECT_LT(pen.output.force_base_N.z, -0.1) << "its ceiling pushes down";
 }
 
-TEST(BuildScene, DropsBadTrianglesAndSaysSo) {
+TEST(BuildScene, DropsAndReportsBadTriangles) {
   InputObject block = SmallBlock();
   const auto n = static_cast<std::uint32_t>(block.vertices_base_m.size());
   block.vertices_base_m.push_back({std::numeric_limits<double>::quiet_NaN(), 0, 0});
@@ -123,7 +123,7 @@ TEST(BuildScene, DropsBadTrianglesAndSaysSo) {
   ExpectSolid(*scene);
 }
 
-TEST(BuildScene, TouchesOpenMeshesFromBothSides) {
+TEST(BuildScene, MakesOpenMeshesDoubleSided) {
   InputObject open = SmallBlock();
   open.triangles.resize(90);  // without most of the last face
   open.triangle_material.resize(90);
@@ -135,7 +135,7 @@ TEST(BuildScene, TouchesOpenMeshesFromBothSides) {
   ExpectSolid(*scene);
 }
 
-TEST(BuildScene, TakesNonManifoldMeshes) {
+TEST(BuildScene, AcceptsNonManifoldMeshes) {
   InputObject fins = SmallBlock();
   const auto n = static_cast<std::uint32_t>(fins.vertices_base_m.size());
   const auto t = fins.triangles[0];
@@ -174,7 +174,7 @@ struct Refusal {
   std::function<void(SceneInput&)> spoil;
 };
 
-TEST(BuildScene, RefusesWhatCannotBeRepaired) {
+TEST(BuildScene, RejectsInvalidInputNamingTheField) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Refusal refusals[] = {
       {"no triangles", [](SceneInput& s) { s.objects.clear(); }},
@@ -204,7 +204,7 @@ TEST(BuildScene, RefusesWhatCannotBeRepaired) {
   }
 }
 
-TEST(BuildScene, RefusesMoreTrianglesThanTheLimit) {
+TEST(BuildScene, RejectsMoreTrianglesThanTheLimit) {
   SceneInput input = SceneOf(SmallBlock());
   input.objects[0].triangles.resize(kMaxTriangles + 1, {0, 1, 2});
   input.objects[0].triangle_material.resize(kMaxTriangles + 1, 0);

@@ -55,7 +55,7 @@ struct Loop {
   }
 };
 
-TEST(Constraints, GiveNoEnergyOnAnyWayRound) {
+TEST(Constraints, GiveNoEnergyAroundClosedPaths) {
   Dice dice(1);
   for (int run = 0; run < 300; ++run) {
     const Constraint c = dice.Shape();
@@ -74,7 +74,7 @@ TEST(Constraints, GiveNoEnergyOnAnyWayRound) {
   }
 }
 
-TEST(Constraints, SpringsAreGradientsOfTheirEnergy) {
+TEST(Constraints, SpringForceIsNegativeGradientOfStoredEnergy) {
   Dice dice(2);
   int checked = 0;
   for (int run = 0; run < 4000; ++run) {
@@ -99,7 +99,7 @@ TEST(Constraints, SpringsAreGradientsOfTheirEnergy) {
   EXPECT_GT(checked, 1500);
 }
 
-TEST(Constraints, OneSidedOnesNeverPull) {
+TEST(Constraints, OneSidedConstraintsNeverPull) {
   Dice dice(3);
   for (int run = 0; run < 20000; ++run) {
     const Constraint c = dice.Shape();
@@ -112,7 +112,7 @@ TEST(Constraints, OneSidedOnesNeverPull) {
   }
 }
 
-TEST(Constraints, StayWithinTheirForceWhateverComes) {
+TEST(Constraints, StayWithinMaxForceForAnyInput) {
   Dice dice(4);
   const double nasty[] = {
       0, 1e-300, 1e300, -1e300, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()};
@@ -142,7 +142,7 @@ Vec3 OnShape(const Constraint& c, const Vec3& x) {
 }
 
 // |F(x + h) - F(x)| <= L |h| everywhere: also where a shape has no direction, and where it is just met.
-TEST(Constraints, NeverJump) {
+TEST(Constraints, ForceIsLipschitzContinuous) {
   Dice dice(5);
   for (int run = 0; run < 20000; ++run) {
     const Constraint c = dice.Shape();

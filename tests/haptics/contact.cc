@@ -47,7 +47,7 @@ TEST(Contact, DampingResistsButNeverPulls) {
   }
 }
 
-TEST(Contact, TwoObjectsTogetherAreNotStifferThanAllowed) {
+TEST(Contact, CoincidentObjectsShareTheStiffnessBound) {
   SceneInput input = SceneOf(Block(2, {0.02, 0.02, 0.02}), Hard(1000));
   input.objects.push_back(Block(2, {0.02, 0.02, 0.02}));  // the same place twice
   Pen pen(Built(input));
@@ -57,7 +57,7 @@ TEST(Contact, TwoObjectsTogetherAreNotStifferThanAllowed) {
   EXPECT_NEAR(pen.output.tip_normal_force_N, 1000 * 0.0005, 1e-9);
 }
 
-TEST(Contact, ACornerOfTwoObjectsPushesBothWays) {
+TEST(Contact, CornerOfTwoObjectsPushesAlongBothNormals) {
   SceneInput input = SceneOf(Block(2, {0.02, 0.02, 0.005}, {0, 0, -0.005}), Hard());
   input.objects.push_back(Block(2, {0.005, 0.02, 0.02}, {0.015, 0, 0.01}));
   Pen pen(Built(input));
@@ -68,7 +68,7 @@ TEST(Contact, ACornerOfTwoObjectsPushesBothWays) {
   EXPECT_NEAR(pen.output.force_base_N.z, 0.4, 1e-9);
 }
 
-TEST(Contact, OverlappingPartsOfOneObjectAreBothFelt) {
+TEST(Contact, OverlappingPartsOfOneObjectAreSeparateContacts) {
   InputObject both = Block(2, {0.02, 0.02, 0.005}, {0, 0, -0.005});
   const InputObject wall = Block(2, {0.005, 0.02, 0.02}, {0.015, 0, 0.01});
   const auto base = static_cast<std::uint32_t>(both.vertices_base_m.size());
@@ -82,7 +82,7 @@ TEST(Contact, OverlappingPartsOfOneObjectAreBothFelt) {
 }
 
 // 0.5 mm plate, pressed through by far in one go: the pen is pushed back to where it came from.
-TEST(Contact, AThinPlateKeepsTheSideOfEntry) {
+TEST(Contact, ThinPlateKeepsTheSideOfEntry) {
   for (const double speed_m_s : {1.0, 5.0, 20.0}) {
     for (const double side : {1.0, -1.0}) {
       Pen pen(Built(SceneOf(Block(8, {0.03, 0.03, 0.00025}), Hard())));
@@ -100,7 +100,7 @@ TEST(Contact, AThinPlateKeepsTheSideOfEntry) {
   }
 }
 
-TEST(Contact, PushedRightThroughThePenIsLetGo) {
+TEST(Contact, PenPushedRightThroughAnObjectIsReleased) {
   InputObject shell = Block(4, {0.02, 0.02, 0.003});
   shell.triangles.resize(shell.triangles.size() - 4);  // a hole: open, hence touched from both sides
   shell.triangle_material.resize(shell.triangles.size());
@@ -121,7 +121,7 @@ TEST(Contact, PushedRightThroughThePenIsLetGo) {
   }
 }
 
-TEST(Contact, DeepInsideASolidThePenIsNotLetGo) {
+TEST(Contact, PenDeepInsideASolidIsNotReleased) {
   Pen pen(Built(SceneOf(Block(4, {0.04, 0.04, 0.04}), Hard(50))));
   pen.Slide({0, 0, 0.05}, {0, 0, 0.018}, 300);
   pen.Rest(500);
@@ -130,7 +130,7 @@ TEST(Contact, DeepInsideASolidThePenIsNotLetGo) {
 
 // Pressed in from the top, then around the edge along the side, always 3 mm deep: the force follows to the side, and
 // never steps. The rule does not depend on triangle size.
-TEST(Contact, DeepInsideTheForceFollowsAroundAnEdge) {
+TEST(Contact, DeepContactForceFollowsThePenAroundAnEdge) {
   for (const int n : {1, 6, 30}) {
     Pen pen(Built(SceneOf(Block(n, {0.02, 0.02, 0.02}), Hard())));
     pen.Slide({0.01, 0.001, 0.021}, {0.01, 0.001, 0.017}, 100);
@@ -148,7 +148,7 @@ TEST(Contact, DeepInsideTheForceFollowsAroundAnEdge) {
   }
 }
 
-TEST(Contact, AnOpenSheetIsFeltFromBothSidesAndEndsAtItsBorder) {
+TEST(Contact, OpenSheetIsTwoSidedAndEndsAtItsBorder) {
   InputObject sheet;
   sheet.vertices_base_m = {{-0.02, -0.02, 0}, {0.02, -0.02, 0}, {0.02, 0.02, 0}, {-0.02, 0.02, 0}};
   AddTriangle(sheet, 0, 1, 2);
@@ -169,7 +169,7 @@ TEST(Contact, AnOpenSheetIsFeltFromBothSidesAndEndsAtItsBorder) {
   }
 }
 
-TEST(Contact, ASheetLeftOnItsOwnSideIsNotEnteredFromBehind) {
+TEST(Contact, LeavingASheetOnTheEntrySideDoesNotReenterFromBehind) {
   InputObject sheet;
   sheet.vertices_base_m = {{-0.02, -0.02, 0}, {0.02, -0.02, 0}, {0.02, 0.02, 0}, {-0.02, 0.02, 0}};
   AddTriangle(sheet, 0, 1, 2);
@@ -186,7 +186,7 @@ TEST(Contact, ASheetLeftOnItsOwnSideIsNotEnteredFromBehind) {
 
 // A floor that rises in a step, with so many triangles that the proxy needs more than a tick to follow. On its way the
 // tip is in front of the floor but within the step: it must not be lost.
-TEST(Contact, AProxyThatLagsBehindIsNotLost) {
+TEST(Contact, ContactIsKeptWhileTheProxyLagsBehind) {
   constexpr double kReach_m = 0.02;
   const InputObject step = CubeGrid(110, [](const Vec3& p) {
     const Vec3 bottom{kReach_m * p.x, kReach_m * p.y, -kReach_m};
@@ -211,7 +211,7 @@ TEST(Contact, AProxyThatLagsBehindIsNotLost) {
   EXPECT_LT(pen.output.force_base_N.x, -0.5) << "the riser pushes back";
 }
 
-TEST(Contact, StartingInsideFadesIn) {
+TEST(Contact, ForceFadesInWhenThePenStartsInside) {
   Pen pen(HardBlock());
   pen.config.ramp_s = 0.15;
   double last_N = 0;
@@ -225,7 +225,7 @@ TEST(Contact, StartingInsideFadesIn) {
   EXPECT_NEAR(last_N, 400 * 0.003, 1e-9);
 }
 
-TEST(Contact, LosingTrackSwappingAndTeleportingNeverStepTheForce) {
+TEST(Contact, TrackingLossSceneSwapAndTeleportDoNotStepTheForce) {
   Pen pen(HardBlock());
   pen.config.ramp_s = 0.15;
   Vec3 last;
@@ -262,7 +262,7 @@ TEST(Contact, LosingTrackSwappingAndTeleportingNeverStepTheForce) {
 }
 
 // An image over the top of a block: white on the left half, mid-grey on the right.
-TEST(Contact, ImagesScaleStiffnessFrictionAndRipple) {
+TEST(Contact, TexturesScaleStiffnessAndFriction) {
   InputObject block = Block(1, {0.02, 0.02, 0.02});
   for (const auto& t : block.triangles) {
     CornerUv uv{};
@@ -296,7 +296,7 @@ TEST(Contact, ImagesScaleStiffnessFrictionAndRipple) {
   EXPECT_NEAR(grey.second, 0.5 * 51 / 255, 1e-6);
 }
 
-TEST(Contact, BadNumbersAreNotMeasurements) {
+TEST(Contact, NonFiniteOrHugeInputIsNotRendered) {
   Pen pen(HardBlock());
   const double bad[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300};
   for (const double x : bad) {
@@ -312,7 +312,7 @@ TEST(Contact, BadNumbersAreNotMeasurements) {
   }
 }
 
-TEST(Contact, SoftIsSofterAndMonotone) {
+TEST(Contact, WinklerForceIsMonotoneAndSofterThanRigid) {
   Softness soft;
   soft.model = SoftnessModel::kWinkler;
   double last = 0;
@@ -332,7 +332,7 @@ TEST(Contact, SoftIsSofterAndMonotone) {
   EXPECT_NEAR(ElasticForce(soft, 1e9, 0.002) / (std::numbers::pi * 0.003 * confined * 4e-6 / 0.01), 1, 1e-3);
 }
 
-TEST(Contact, SoftForceRelaxes) {
+TEST(Contact, WinklerForceRelaxes) {
   Material rubber = Hard();
   rubber.softness.model = SoftnessModel::kWinkler;
   Pen pen(HardBlock(rubber));
@@ -344,7 +344,7 @@ TEST(Contact, SoftForceRelaxes) {
   EXPECT_NEAR(later_N, ElasticForce(rubber.softness, 400 / 1.3, 0.004), 1e-4 * later_N);
 }
 
-TEST(Contact, PopThroughGivesWayUntilThePenIsOutAgain) {
+TEST(Contact, PopThroughLastsUntilThePenLeavesTheObject) {
   Material skin = Hard();
   skin.pop_through_N = 0.6;
   Pen pen(HardBlock(skin));
@@ -373,7 +373,7 @@ TEST(Contact, MagnetPullsFromOutsideOnlyWithinItsRange) {
   EXPECT_EQ(pen.output.force_base_N.z, 0);
 }
 
-TEST(Contact, TextureRipplesOnlyWhileSlidingAndVibrationHums) {
+TEST(Contact, TextureRipplesWhenSlidingAndVibrationActsAtRest) {
   Material rough = Hard();
   rough.texture_amplitude_m = 1e-4;
   rough.texture_wavelength_m = 2e-3;
@@ -404,7 +404,7 @@ TEST(Contact, TextureRipplesOnlyWhileSlidingAndVibrationHums) {
   EXPECT_NEAR(high - low, 0.2, 0.005);
 }
 
-TEST(Contact, FarAwayNothingIsAsked) {
+TEST(Contact, FarPenReusesTheMotionBoundWithoutQueries) {
   Pen pen(HardBlock());
   pen.MoveTo({0, 0, 0.12});
   EXPECT_NEAR(pen.state.far_distance_m, 0.1, 1e-5);

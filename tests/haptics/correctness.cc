@@ -71,7 +71,7 @@ class Path {
   double u_, v_, turn_ = 0, tick_ = 0;
 };
 
-TEST(Correctness, NothingIsMissedAndNothingIsFalse) {
+TEST(Correctness, NoMissedOrFalseContactsOnClosedMeshes) {
   Material m;
   m.static_friction = m.dynamic_friction = 0;
   std::uint64_t seed = 20'000;
@@ -107,7 +107,7 @@ TEST(Correctness, NothingIsMissedAndNothingIsFalse) {
 
 // On a smooth shape the force points along the normal of the nearest facet or one beside it (at most 2.73 degrees apart
 // here), at once also in fast motion.
-TEST(Correctness, DirectionIsThatOfTheNearestPoint) {
+TEST(Correctness, ForceDirectionMatchesTheNearestPoint) {
   Material m;
   m.static_friction = m.dynamic_friction = 0;
   const Scene scene = Built(SceneOf(Sphere(42, 0.02), m));

@@ -56,7 +56,7 @@ class Sculptor {
   }
 };
 
-TEST(Extrude, AShortOrLightPressTakesNothing) {
+TEST(Extrude, ShortOrLightPressDoesNotGrabTheFace) {
   Sculptor s;
   s.GoTo(-0.0016, 0.05);
   s.Wait(100);
@@ -69,7 +69,7 @@ TEST(Extrude, AShortOrLightPressTakesNothing) {
   EXPECT_EQ(s.region().offset_m, 0);
 }
 
-TEST(Extrude, AHeldFaceIsPulledOutOneStep) {
+TEST(Extrude, PullingAHeldFaceMovesItOutOneStep) {
   Sculptor s;
   s.Press();
   EXPECT_EQ(s.region().phase, ExtrudePhase::kHeld);
@@ -88,7 +88,7 @@ TEST(Extrude, AHeldFaceIsPulledOutOneStep) {
   EXPECT_NEAR(s.pen.output.contacts[0].gap_m, -0.001, 1e-9);
 }
 
-TEST(Extrude, AHeldFaceIsPushedInOneStep) {
+TEST(Extrude, PushingAHeldFaceMovesItInOneStep) {
   Sculptor s;
   s.Press();
   s.GoTo(-0.0016 - 0.003, 0.02);
@@ -103,7 +103,7 @@ TEST(Extrude, AHeldFaceIsPushedInOneStep) {
   EXPECT_EQ(s.pen.output.contact_count, 0) << "above the face that went in";
 }
 
-TEST(Extrude, OutAndInAgainComesBack) {
+TEST(Extrude, OutThenInReturnsToZeroOffset) {
   Sculptor s;
   s.Press();
   s.GoTo(0.006, 0.02);
@@ -129,7 +129,7 @@ TEST(Extrude, TearingAwayReleases) {
   EXPECT_LE(s.region().offset_m, 0.004 + 1e-12);
 }
 
-TEST(Extrude, LosingTrackSettlesTheFace) {
+TEST(Extrude, TrackingLossSettlesTheFaceOnAStep) {
   Sculptor s;
   s.Press();
   s.GoTo(0.0035, 0.03);
@@ -141,7 +141,7 @@ TEST(Extrude, LosingTrackSettlesTheFace) {
 }
 
 // A face that rises under a still pen takes it along instead of passing it.
-TEST(Extrude, ARisingFaceMeetsAStillTip) {
+TEST(Extrude, RisingFacePushesAStillTip) {
   Sculptor s;
   s.GoTo(0.0015, 0.05);
   s.pen.state.regions[0].phase = ExtrudePhase::kSettling;

@@ -82,7 +82,7 @@ void WalkBothWays(const Scene& scene, std::uint64_t seed, int& far_ticks, int& t
   }
 }
 
-TEST(FarTip, TheShortWayGivesTheBitsOfTheLongWay) {
+TEST(FarTip, FastPathIsBitIdenticalToFullStep) {
   const Scene scene = Built(SceneOf(Sphere(8, 0.02), Rough()));
   int far_ticks = 0, touching_ticks = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) WalkBothWays(scene, seed, far_ticks, touching_ticks);
@@ -90,7 +90,7 @@ TEST(FarTip, TheShortWayGivesTheBitsOfTheLongWay) {
   EXPECT_GT(touching_ticks, 1000);
 }
 
-TEST(FarTip, WithoutASceneThereIsNothingToFeel) {
+TEST(FarTip, EmptySceneGivesNoForceOrContact) {
   const Config config;
   const Scene none;
   State state;
@@ -104,7 +104,7 @@ TEST(FarTip, WithoutASceneThereIsNothingToFeel) {
   }
 }
 
-TEST(FarTip, NothingOfAnEarlierTouchStaysInTheOutput) {
+TEST(FarTip, OutputIsClearedAfterLeavingContact) {
   Pen pen(Built(SceneOf(Sphere(8, 0.02))));
   pen.Slide({0, 0, 0.05}, {0, 0, 0.018}, 200);
   ASSERT_GT(pen.output.contact_count, 0);

@@ -23,7 +23,7 @@ Pen PressedAt(const Vec3& tip, const Material& material, int n = 8) {
 double Tangential(const Pen& pen) { return std::hypot(pen.output.force_base_N.x, pen.output.force_base_N.y); }
 
 // Pressed 1 mm deep: F_n = 0.4 N. The cone at mu_s = 0.5 is left after 0.5 mm.
-TEST(Friction, HoldsWithinTheStaticConeAndSlipsAtTheDynamicOne) {
+TEST(Friction, SticksWithinStaticConeAndSlipsOnDynamicCone) {
   Pen pen = PressedAt({0, 0, 0.019}, Rubbing(0.5, 0.3));
   pen.Slide({0, 0, 0.019}, {0.00049, 0, 0.019}, 50);
   EXPECT_TRUE(pen.state.contacts[0].sticking);

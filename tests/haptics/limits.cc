@@ -41,7 +41,7 @@ SceneInput Everything() {
   return input;
 }
 
-TEST(Limits, HoldOverRandomInputs) {
+TEST(Limits, ForceAndSlewLimitsHoldForRandomInputs) {
   const Scene scene = Built(Everything());
   ASSERT_FALSE(scene.empty());
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -76,7 +76,7 @@ TEST(Limits, HoldOverRandomInputs) {
 }
 
 // A limit that changes at random wins over the slew limit, and keeps the direction.
-TEST(Limits, AShrinkingLimitWins) {
+TEST(Limits, ForceLimitOverridesSlewLimitAndKeepsDirection) {
   Material m;
   m.static_friction = m.dynamic_friction = 0;
   Pen pen(Built(SceneOf(Block(3, {0.02, 0.02, 0.02}), m)));

@@ -36,7 +36,7 @@ bool Says(const std::vector<std::string>& lines, const std::string& part) {
                      [&](const std::string& line) { return line.find(part) != std::string::npos; });
 }
 
-TEST(LivePlanTest, NothingAskedNothingMade) {
+TEST(LivePlanTest, UntaggedOrNonCollidableObjectsPlanNothing) {
   EXPECT_TRUE(PlanLive(Scene()).empty());
   const LivePlan plan = PlanLive(Built(SceneOf(Sphere(6, 0.02))));
   EXPECT_TRUE(plan.empty());
@@ -46,7 +46,7 @@ TEST(LivePlanTest, NothingAskedNothingMade) {
   EXPECT_TRUE(PlanLive(Built(SceneOf(seen, Clay()))).empty());
 }
 
-TEST(LivePlanTest, ClosedClayIsSculptedOpenOrThinClayIsNot) {
+TEST(LivePlanTest, OnlyClosedSingleSidedClayIsSculpted) {
   EXPECT_EQ(PlanLive(Built(SceneOf(Sphere(6, 0.02), Clay()))).sculpted, std::vector<std::uint32_t>{0});
   LivePlan plan = PlanLive(Built(SceneOf(OneSide(Sphere(6, 0.02)), Clay())));
   EXPECT_TRUE(plan.empty());
@@ -58,7 +58,7 @@ TEST(LivePlanTest, ClosedClayIsSculptedOpenOrThinClayIsNot) {
   EXPECT_TRUE(Says(plan.lines, "double-sided"));
 }
 
-TEST(LivePlanTest, OfMoreThanFourTheLastStayRigid) {
+TEST(LivePlanTest, SculptableObjectsBeyondFourStayRigid) {
   SceneInput input = SceneOf(Sphere(4, 0.01), Clay());
   for (int k = 1; k < 6; ++k) {
     input.objects.push_back(Sphere(4, 0.01));
@@ -70,7 +70,7 @@ TEST(LivePlanTest, OfMoreThanFourTheLastStayRigid) {
   EXPECT_TRUE(Says(plan.lines, "at most 4"));
 }
 
-TEST(LivePlanTest, TetIsSoftAlsoWhenOpen) {
+TEST(LivePlanTest, TetObjectsAreSoftEvenWhenOpen) {
   EXPECT_EQ(PlanLive(Built(SceneOf(Sphere(6, 0.02), Jelly()))).soft, std::vector<std::uint32_t>{0});
   EXPECT_EQ(PlanLive(Built(SceneOf(OneSide(Sphere(6, 0.02)), Jelly()))).soft, std::vector<std::uint32_t>{0});
   Material layer = Jelly();
@@ -88,7 +88,7 @@ TEST(LivePlanTest, TheMaterialOfMostTrianglesDecides) {
   EXPECT_EQ(plan.soft, std::vector<std::uint32_t>{0});
 }
 
-TEST(LivePlanTest, WhatIsExtrudedIsNeither) {
+TEST(LivePlanTest, ExtrudableObjectsAreNeitherSculptedNorSoft) {
   for (const Material& material : {Clay(), Jelly()}) {
     SceneInput input = SceneOf(Block(6, {0.02, 0.02, 0.02}), material);
     input.materials.push_back({});
@@ -101,7 +101,7 @@ TEST(LivePlanTest, WhatIsExtrudedIsNeither) {
 }
 
 // Property over bodies of several sizes and places: the mesh that a sculpt session gets is the one that is touched.
-TEST(LiveMeshTest, IsTheObjectAsItIsInTheScene) {
+TEST(LiveMeshTest, MeshOfMatchesTheObjectInTheScene) {
   for (int n : {3, 7, 16}) {
     SceneInput input = SceneOf(Sphere(5, 0.01), Material());
     input.materials.push_back(Clay());
@@ -129,7 +129,7 @@ TEST(LiveMeshTest, IsTheObjectAsItIsInTheScene) {
   }
 }
 
-TEST(LiveSculptSessionTest, HoldsTheSurfaceAndTheMaterial) {
+TEST(LiveSculptSessionTest, TakesSurfaceAndParametersFromTheScene) {
   SceneInput input = SceneOf(Sphere(5, 0.01), Material());
   Material clay = Clay();
   clay.stiffness_N_m = 333;
@@ -180,7 +180,7 @@ TEST(LiveSculptSessionTest, HoldsTheSurfaceAndTheMaterial) {
   EXPECT_EQ(PlanLive(again).sculpted, std::vector<std::uint32_t>{0}) << "what is saved can be sculpted on";
 }
 
-TEST(LiveSculptParametersTest, StaysInRangeForEveryTag) {
+TEST(LiveSculptParametersTest, ParametersStayInRangeForRandomTags) {
   Random random(3);
   for (int k = 0; k < 1000; ++k) {
     Material m = Clay();

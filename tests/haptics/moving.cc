@@ -31,7 +31,7 @@ ObjectPose At(const Vec3& translation_m, const base::Quat& rotation = {}) {
 }
 
 // A ball that stands elsewhere and is touched there gives the same forces, friction and reports.
-TEST(MovedObjects, WhereAnObjectStandsChangesNothing) {
+TEST(MovedObjects, ContactDoesNotDependOnObjectPose) {
   Random random(71);
   for (int trial = 0; trial < 20; ++trial) {
     const Frame frame{false, Turn(random.InBox(1), random.Uniform(0, 3)), random.InBox(0.1)};
@@ -55,7 +55,7 @@ TEST(MovedObjects, WhereAnObjectStandsChangesNothing) {
 }
 
 // A plate that rises against a resting pen pushes it, whatever its speed and however thin it is.
-TEST(MovedObjects, APlateMovesIntoAPenThatRests) {
+TEST(MovedObjects, RisingPlatePushesARestingPen) {
   for (const double speed_m_s : {0.05, 0.5, 5.0}) {
     Pen pen(Built(Movable(Block(2, {0.02, 0.02, 0.00025}), Smooth())));
     double height_m = -0.021;
@@ -77,7 +77,7 @@ TEST(MovedObjects, APlateMovesIntoAPenThatRests) {
 
 // A belt under a resting pen drags it along by its friction, no more than the cone allows; a pen that goes with the
 // belt gets the normal force only, and no damping.
-TEST(MovedObjects, ABeltDragsThePenAlong) {
+TEST(MovedObjects, MovingBeltDragsARestingPenByFriction) {
   Material rough;
   rough.static_friction = rough.dynamic_friction = 0.3;
   rough.damping_Ns_m = 2;
@@ -111,7 +111,7 @@ TEST(MovedObjects, ABeltDragsThePenAlong) {
 }
 
 // Put around the pen and taken away: no motion, so nothing is swept; the force comes and goes gently.
-TEST(MovedObjects, AnObjectThatLeapsDoesNotKick) {
+TEST(MovedObjects, TeleportedObjectDoesNotKick) {
   Pen pen(Built(Movable(Block(2, {0.01, 0.01, 0.01}), Smooth())));
   ObjectPose pose = At({0.5, 0, 0});
   pen.input.poses = {&pose, 1};
@@ -135,7 +135,7 @@ TEST(MovedObjects, AnObjectThatLeapsDoesNotKick) {
   EXPECT_LT(step_N, 0.1);
 }
 
-TEST(MovedObjects, PosesThatCannotBeAreIgnored) {
+TEST(MovedObjects, InvalidPosesAreIgnored) {
   const double nan = std::nan("");
   const base::Quat one;
   const std::vector<ObjectPose> bad = {{0, {nan, 0, 0, 0}, {}}, {0, {0, 0, 0, 0}, {}},     {0, {2, 0, 0, 0}, {}},
@@ -154,7 +154,7 @@ TEST(MovedObjects, PosesThatCannotBeAreIgnored) {
 }
 
 // The motion bound must not hide an object that comes from afar; and nothing is taken from the heap.
-TEST(MovedObjects, ComesFromAfarWithoutHeap) {
+TEST(MovedObjects, ObjectApproachingFromAfarIsFoundWithoutAllocation) {
   Pen pen(Built(Movable(Sphere(16, 0.01), Smooth())));
   ObjectPose pose = At({0.3, 0, 0});
   pen.input.poses = {&pose, 1};

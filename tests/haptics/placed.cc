@@ -54,7 +54,7 @@ Material Frictionless() {
 }
 
 // Friction, textures, prediction and reports are the same wherever the scene stands.
-TEST(PlacedScene, WhereItStandsChangesNothing) {
+TEST(PlacedScene, ContactDoesNotDependOnPlacement) {
   Random random(501);
   for (int trial = 0; trial < 20; ++trial) {
     const Placement placement{QuarterAbout(random.InBox(1), random.Uniform(0, 3)), random.InBox(0.1)};
@@ -79,7 +79,7 @@ TEST(PlacedScene, WhereItStandsChangesNothing) {
   }
 }
 
-TEST(PlacedScene, AtTheOriginIsStepBitByBit) {
+TEST(PlacedScene, IdentityPlacementIsBitIdenticalToStep) {
   Random random(502);
   PlacedPen placed(SceneOf(Sphere(8, 0.02))), plain(SceneOf(Sphere(8, 0.02)));
   Vec3 tip{0, 0, 0.025};
@@ -93,7 +93,7 @@ TEST(PlacedScene, AtTheOriginIsStepBitByBit) {
 }
 
 // Carried along with its pen, a scene is at rest for it: the press stays as it is, and nothing rubs or damps.
-TEST(PlacedScene, APenThatRidesAlongFeelsNoMotion) {
+TEST(PlacedScene, PenMovingWithTheSceneGetsNoFrictionOrDamping) {
   Material rough;
   rough.static_friction = rough.dynamic_friction = 0.5;
   rough.damping_Ns_m = 2;
@@ -112,7 +112,7 @@ TEST(PlacedScene, APenThatRidesAlongFeelsNoMotion) {
 }
 
 // A scene that moves under a resting pen drags it by its friction, as a moved object does.
-TEST(PlacedScene, ASceneThatSlidesRubs) {
+TEST(PlacedScene, SlidingSceneDragsARestingPenByFriction) {
   Material rough;
   rough.static_friction = rough.dynamic_friction = 0.3;
   PlacedPen pen(SceneOf(Block(4, {0.2, 0.05, 0.01}), rough));
@@ -129,7 +129,7 @@ TEST(PlacedScene, ASceneThatSlidesRubs) {
 
 // Wherever it jumps, and however it is turned there: no tick changes the force by more than a fade does, far below the
 // slew limit.
-TEST(PlacedScene, ALeapDoesNotKick) {
+TEST(PlacedScene, TeleportedSceneDoesNotKick) {
   Random random(503);
   double largest_N = 0;
   for (int trial = 0; trial < 50; ++trial) {
@@ -157,7 +157,7 @@ TEST(PlacedScene, ALeapDoesNotKick) {
 }
 
 // What the coils can do is the base's: a scene that is turned gets no more than they give in that direction.
-TEST(PlacedScene, TheDevicesLimitStaysTheBases) {
+TEST(PlacedScene, ForceLimitStaysInTheBaseFrame) {
   Random random(505);
   int cut = 0;
   for (int trial = 0; trial < 20; ++trial) {
@@ -174,7 +174,7 @@ TEST(PlacedScene, TheDevicesLimitStaysTheBases) {
   EXPECT_GT(cut, 100);
 }
 
-TEST(PlacedScene, PlacementsThatCannotBeAreIgnored) {
+TEST(PlacedScene, InvalidPlacementsAreIgnored) {
   const double nan = std::nan("");
   PlacedPen with(SceneOf(Block(2, {0.01, 0.01, 0.01}))), without(SceneOf(Block(2, {0.01, 0.01, 0.01})));
   const Placement bad[] = {
@@ -187,7 +187,7 @@ TEST(PlacedScene, PlacementsThatCannotBeAreIgnored) {
   }
 }
 
-TEST(PlacedScene, TakesNothingFromTheHeap) {
+TEST(PlacedScene, DoesNotAllocate) {
   PlacedPen pen(SceneOf(Sphere(8, 0.02)));
   const MaterialChange change{0, base::ParametersOf(Frictionless())};
   pen.input.materials = {&change, 1};
@@ -200,7 +200,7 @@ TEST(PlacedScene, TakesNothingFromTheHeap) {
 
 // From any parameters to any others under a pressing, sliding pen: the force changes smoothly over the glide, and
 // arrives.
-TEST(LiveMaterial, AChangeUnderThePenIsContinuous) {
+TEST(LiveMaterial, ChangeDuringContactIsContinuous) {
   Random random(504);
   double largest_N = 0;
   for (int trial = 0; trial < 40; ++trial) {
@@ -235,7 +235,7 @@ TEST(LiveMaterial, AChangeUnderThePenIsContinuous) {
               largest_N);
 }
 
-TEST(LiveMaterial, GoesBackToTheScenesWhenItIsNamedNoMore) {
+TEST(LiveMaterial, RevertsToTheSceneMaterialWhenRemoved) {
   PlacedPen pen(SceneOf(Block(4, {0.05, 0.05, 0.01}), Frictionless()));
   MaterialChange change{0, base::ParametersOf(Frictionless())};
   change.parameters.stiffness_N_m = 100;
@@ -247,7 +247,7 @@ TEST(LiveMaterial, GoesBackToTheScenesWhenItIsNamedNoMore) {
   EXPECT_NEAR(pen.output.force_base_N.z, 400 * 0.0008, 1e-3);
 }
 
-TEST(LiveMaterial, WhatIsNoNumberOrNoMaterialChangesNothing) {
+TEST(LiveMaterial, NonFiniteValuesAndUnknownMaterialsAreIgnored) {
   const double nan = std::nan("");
   PlacedPen with(SceneOf(Block(4, {0.05, 0.05, 0.01}))), without(SceneOf(Block(4, {0.05, 0.05, 0.01})));
   MaterialChange changes[] = {{0, base::ParametersOf(Material{})}, {7, {}}, {kNoIndex, {}}};

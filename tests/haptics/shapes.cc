@@ -96,7 +96,7 @@ double TopAt_m(const Profile& profile, double x_m) {
 }
 
 // Pressed into the middle and left alone: nothing chatters.
-TEST(Shapes, AtRestTheForceIsStill) {
+TEST(Shapes, ForceOnARestingPenIsSteady) {
   Random random(501);
   for (const Profile& profile : Profiles()) {
     for (const int along : {1, 6}) {
@@ -123,7 +123,7 @@ TEST(Shapes, AtRestTheForceIsStill) {
 }
 
 // The same planes in few and in many triangles give the same force, tick by tick, on the same path.
-TEST(Shapes, SubdividedPlanesFeelTheSame) {
+TEST(Shapes, ForceDoesNotDependOnSubdivisionOfPlanes) {
   Random random(77);
   for (const Profile& profile : Profiles()) {
     Pen coarse(Built(SceneOf(Bar(profile, 1, 1), Smooth()))), fine(Built(SceneOf(Bar(profile, 7, 11), Smooth())));
@@ -150,7 +150,7 @@ TEST(Shapes, SubdividedPlanesFeelTheSame) {
 }
 
 // Where the sagitta is at most 1 % of the depth, the tessellation has no effect.
-TEST(Shapes, CurvedSurfacesDoNotDependOnTheirTessellation) {
+TEST(Shapes, ForceDoesNotDependOnTessellationOfCurvedSurfaces) {
   Pen coarse(Built(SceneOf(Sphere(42, 0.03), Smooth()))), fine(Built(SceneOf(Sphere(90, 0.03), Smooth())));
   Random random(5);
   double worst = 0;

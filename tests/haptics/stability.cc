@@ -27,14 +27,14 @@ double Limit(const Config& config, const Input& input, double predict_s) {
 }
 double Best(const Config& config, const Input& input) { return Limit(config, input, BestPrediction_s(config, input)); }
 
-TEST(Stability, UnpredictedIsHalfOfTheDelayedBound) {
+TEST(Stability, LimitWithoutPredictionIsHalfTheDelayBound) {
   const Config config;
   EXPECT_NEAR(Limit(config, {}, 0), 0.5 * 1.0 / (0.5e-3 + 3e-3 + 0.4e-3), 1e-9) << "delay not known";
   EXPECT_NEAR(Limit(config, Delayed(1.5e-3), 0), 0.5 * 1.0 / (0.5e-3 + 1.5e-3 + 0.4e-3), 1e-9) << "measured";
 }
 
 // K sigma <= 20 mN, and less the nearer the delay brings the hand to oscillation: b - K D of its damping is left.
-TEST(Stability, NoiseAllowsLessTheLessDampingIsLeft) {
+TEST(Stability, NoiseBoundShrinksWithRemainingDamping) {
   Random random(74);
   int bound = 0;
   for (int k = 0; k < 2000; ++k) {
@@ -50,7 +50,7 @@ TEST(Stability, NoiseAllowsLessTheLessDampingIsLeft) {
   EXPECT_LT(bound, 1800);
 }
 
-TEST(Stability, NothingIsOfferedOnWhatIsNotANumber) {
+TEST(Stability, NonFiniteOrNegativeInputGivesZeroStiffness) {
   const Config config;
   EXPECT_EQ(Limit(config, Delayed(kNan), 0), 0);
   EXPECT_EQ(Limit(config, Delayed(-1), 0), 0);
@@ -66,7 +66,7 @@ TEST(Stability, NothingIsOfferedOnWhatIsNotANumber) {
 }
 
 // The bound falls with longer delay, more noise and weaker hand damping; predicting never lowers it.
-TEST(Stability, OfferIsMonotone) {
+TEST(Stability, BoundIsMonotoneInDelayNoiseAndHandDamping) {
   Random random(71);
   Config config;
   config.stiffness_max_N_m = 1e9;
@@ -85,7 +85,7 @@ TEST(Stability, OfferIsMonotone) {
   }
 }
 
-TEST(Stability, AQuietTrackerIsPredictedAndOffersMore) {
+TEST(Stability, LowNoiseEnablesPredictionAndRaisesTheBound) {
   Config config;
   config.stiffness_max_N_m = 1e9;
   const Input quiet = Delayed(2e-3, NoiseOf(2e-6, 1500));
@@ -94,7 +94,7 @@ TEST(Stability, AQuietTrackerIsPredictedAndOffersMore) {
   EXPECT_EQ(BestPrediction_s(config, Delayed(2e-3, NoiseOf(3e-4, 300))), 0) << "a noisy one is not";
 }
 
-TEST(Stability, InTouchTheOfferOnlyFalls) {
+TEST(Stability, BoundOnlyFallsDuringContact) {
   const Config config;
   StiffnessBoundState state;
   const double first = UpdateStiffnessBound(config, Delayed(2e-3), false, state).stiffness_N_m;
@@ -113,7 +113,7 @@ TEST(Stability, InTouchTheOfferOnlyFalls) {
 }
 
 // Noise of a velocity is a force by way of the damping.
-TEST(Stability, NoiseAllowsLessDamping) {
+TEST(Stability, VelocityNoiseLimitsDamping) {
   const Config config;
   for (const double sigma_m_s : {0.0, 0.01, 0.05, 0.2}) {
     StiffnessBoundState state;
@@ -127,7 +127,7 @@ TEST(Stability, NoiseAllowsLessDamping) {
   }
 }
 
-TEST(Stability, AWallThatAsksForMoreSaysSo) {
+TEST(Stability, ReportsHowFarStiffnessWasReduced) {
   Material m;
   m.stiffness_N_m = 1000;
   m.static_friction = m.dynamic_friction = 0;
@@ -181,7 +181,7 @@ struct UnstableWall {
   }
 };
 
-TEST(EnergyWatch, StopsAWallThatSwings) {
+TEST(EnergyWatch, LimitsEnergyOfAnUnstableWall) {
   UnstableWall free, watched;
   free.Run(6000, false);
   // The watch trusts the reported delay; with the true one it holds the wall back.
@@ -194,7 +194,7 @@ TEST(EnergyWatch, StopsAWallThatSwings) {
   EXPECT_GT(watched.pen.state.energy.leaking_ticks, 10U);
 }
 
-TEST(EnergyWatch, LeavesAnOrdinaryPressAlone) {
+TEST(EnergyWatch, DoesNotActOnOrdinaryPresses) {
   Material m;
   m.stiffness_N_m = 400;
   Pen pen(Built(SceneOf(Block(4, {0.02, 0.02, 0.02}), m)));
@@ -209,7 +209,7 @@ TEST(EnergyWatch, LeavesAnOrdinaryPressAlone) {
 }
 
 // 20 ms without a pose do not turn a plate's sides round.
-TEST(Gap, AShortAbsenceKeepsTheSideOfEntry) {
+TEST(Gap, ShortTrackingLossKeepsTheSideOfEntry) {
   for (const double thickness_m : {1e-4, 5e-4, 2e-3}) {
     for (const double side : {1.0, -1.0}) {
       Pen pen(Built(SceneOf(Block(8, {0.03, 0.03, thickness_m / 2}))));
@@ -223,7 +223,7 @@ TEST(Gap, AShortAbsenceKeepsTheSideOfEntry) {
   }
 }
 
-TEST(Gap, ALongAbsenceForgets) {
+TEST(Gap, LongTrackingLossForgetsTheSideOfEntry) {
   Pen pen(Built(SceneOf(Block(8, {0.03, 0.03, 0.0005}))));
   pen.Slide({0, 0, 0.004}, {0, 0, 0.0001}, 60);
   for (int k = 0; k < 30; ++k) pen.Lose();
@@ -233,7 +233,7 @@ TEST(Gap, ALongAbsenceForgets) {
 }
 
 // A pen that is better known along its axis than across it gets more stiffness there; in between by the mixed variance.
-TEST(Stability, OffersMoreAlongThePen) {
+TEST(Stability, BoundIsHigherAlongTheAxisWithLessNoise) {
   Config config;
   Input input = Delayed(2e-3, NoiseOf(4e-4, 200));
   input.noise_along = NoiseOf(1e-4, 200);
@@ -255,7 +255,7 @@ TEST(Stability, OffersMoreAlongThePen) {
 }
 
 // The pen is turned while it presses: the contact's stiffness falls with the angle and does not rise again.
-TEST(Stability, AContactsStiffnessOnlyFallsWhileThePenIsTurned) {
+TEST(Stability, ContactStiffnessOnlyFallsWhileThePenTurns) {
   Pen pen(Built(SceneOf(Block(2, {0.02, 0.02, 0.01}))));
   pen.input.delay_s = 2e-3;
   pen.input.noise = NoiseOf(2e-4, 200);

@@ -43,7 +43,7 @@ SceneInput BlockWithTop() {
 double AsDouble(float x) { return double{x}; }
 Vec3 PlaceOf(const DrawnVertex& v) { return {AsDouble(v[0]), AsDouble(v[1]), AsDouble(v[2])}; }
 
-TEST(SurfaceFrame, VerticesOfAnObjectAreItsOwnInTheOrderOfItsTriangles) {
+TEST(SurfaceFrame, VerticesAreNumberedInOrderOfFirstUseByTriangles) {
   const Scene scene = Built(TwoBalls());
   for (std::uint32_t o = 0; o < 2; ++o) {
     const VertexRange range = VerticesOf(scene, o);
@@ -63,7 +63,7 @@ TEST(SurfaceFrame, VerticesOfAnObjectAreItsOwnInTheOrderOfItsTriangles) {
 }
 
 // Soft bodies and editors are made from the drawn mesh, vertex by vertex.
-TEST(SurfaceFrame, IsInTheOrderOfTheMeshThatPartsAreMadeFrom) {
+TEST(SurfaceFrame, VertexOrderMatchesMeshOf) {
   const Scene scene = Built(TwoBalls());
   for (std::uint32_t o = 0; o < 2; ++o) {
     const Mesh mesh = MeshOf(scene, o);
@@ -74,7 +74,7 @@ TEST(SurfaceFrame, IsInTheOrderOfTheMeshThatPartsAreMadeFrom) {
   }
 }
 
-TEST(SurfaceFrame, SaysWhatChanges) {
+TEST(SurfaceFrame, ListsObjectsThatChange) {
   const Scene balls = Built(TwoBalls());
   EXPECT_EQ(ChangingObjects(balls), (std::vector<ChangingObject>{{.object = 1, .moved = true}}));
   const Scene block = Built(BlockWithTop());
@@ -84,7 +84,7 @@ TEST(SurfaceFrame, SaysWhatChanges) {
 }
 
 // Each vertex where the tick's own view of the surface has it.
-TEST(SurfaceFrame, ExtrudedFacesAreDrawnWhereTheyAreFelt) {
+TEST(SurfaceFrame, ExtrudedVerticesMatchTheHapticSurface) {
   const Scene scene = Built(BlockWithTop());
   ASSERT_EQ(scene.regions().size(), 1U);
   RestObject rest = RestOf(scene, 0);
@@ -112,7 +112,7 @@ base::Result<SoftBody> BodyOf(const Scene& scene, std::uint32_t object) {
   return BuildSoftBody(rest.vertices_base_m, triangles, SmallOptions(), report);
 }
 
-TEST(SurfaceFrame, SoftBodiesAreDrawnWithTheirDents) {
+TEST(SurfaceFrame, SoftBodyVerticesMatchSoftDisplacement) {
   Scene scene = Built(TwoBalls());
   auto live = std::make_shared<LiveParts>();
   auto body = BodyOf(scene, 0);
@@ -146,7 +146,7 @@ TEST(SurfaceFrame, SoftBodiesAreDrawnWithTheirDents) {
 }
 
 // A soft body of another mesh displaces nothing.
-TEST(SurfaceFrame, ABodyOfAnotherMeshIsLeftOut) {
+TEST(SurfaceFrame, SoftBodyOfAnotherMeshIsIgnored) {
   Scene scene = Built(BlockWithTop());
   auto live = std::make_shared<LiveParts>();
   auto body = BuildSmall(SoftBallMesh(), SmallOptions());
@@ -161,7 +161,7 @@ TEST(SurfaceFrame, ABodyOfAnotherMeshIsLeftOut) {
 }
 
 // The compact surface equals the editor's own snapshot, to the rounding of a float, after random strokes.
-TEST(SurfaceFrame, SculptedSurfacesAreWhole) {
+TEST(SurfaceFrame, CompactSurfaceMatchesTheEditorSnapshot) {
   const auto editor = sculpt::EditorOf(sculpt::BumpyBall(10, 0.03));
   ASSERT_NE(editor, nullptr);
   Random random(8);

@@ -28,7 +28,7 @@ double Buzz_N(const WallRun& run) {
 }
 
 // Hands of 10 to 50 g with little damping, and replies up to 3 ms later than the base reports.
-TEST(SwingWatch, QuietensLightHandsAndLateAnswers) {
+TEST(SwingWatch, LimitsBuzzWithLightHandsAndLateReplies) {
   for (const double mass_kg : {0.01, 0.02, 0.05}) {
     for (const double damping_Ns_m : {0.1, 0.5}) {
       for (const double late_s : {0.0, 1e-3, 3e-3}) {
@@ -56,7 +56,7 @@ void ExpectHoldsStill(const WallHand& hand, const WallLoop& loop) {
   EXPECT_FALSE(last_m(run, 0) > 2 * last_m(free, 0) && last_m(run, 0) >= 0.8 * last_m(run, 1));
 }
 
-TEST(SwingWatch, FirmHandsHoldStill) {
+TEST(SwingWatch, NoLimitCycleWithFirmHands) {
   for (const double mass_kg : {0.05, 0.1, 0.2}) {
     for (const double late_s : {0.0, 1e-3, 2e-3}) {
       for (const double noise_m : {2e-5, 1e-4}) {
@@ -67,7 +67,7 @@ TEST(SwingWatch, FirmHandsHoldStill) {
 }
 
 // The least damped hands, and replies up to 5 ms later than reported.
-TEST(SwingWatch, LightHandsComeToRest) {
+TEST(SwingWatch, NoLimitCycleWithLightHandsAndLateReplies) {
   for (const double mass_kg : {0.02, 0.05}) {
     for (const double late_s : {2e-3, 3e-3, 5e-3}) {
       for (const double noise_m : {1e-4, 3e-4}) {
@@ -78,7 +78,7 @@ TEST(SwingWatch, LightHandsComeToRest) {
 }
 
 // Longer in the air than in contact: 40 mJ and 4.6 mm in a second otherwise.
-TEST(SwingWatch, AHeavyPenDoesNotBounceOn) {
+TEST(SwingWatch, HeavyPenDoesNotKeepBouncing) {
   const WallHand hand{0.2, 1};
   const WallLoop loop{.delay_s = 1e-3, .late_s = 5e-3, .noise_m = 2e-5};
   const WallRun run = PressWall(hand, loop, {.hold_s = 1, .release = true}, WallRule::kBounded, kAsked_N_m, 2004);
@@ -86,7 +86,7 @@ TEST(SwingWatch, AHeavyPenDoesNotBounceOn) {
 }
 
 // The nine hands of the rule.
-TEST(SwingWatch, LeavesFirmHandsWhatTheyAreOffered) {
+TEST(SwingWatch, DoesNotReduceStiffnessForFirmHands) {
   for (const double mass_kg : {0.05, 0.1, 0.2}) {
     for (const double damping_Ns_m : {1.0, 2.0, 5.0}) {
       for (const double noise_m : {2e-5, 1e-4, 3e-4}) {
@@ -117,19 +117,19 @@ class SwingWatchHand : public testing::Test {
   std::unique_ptr<Pen> pen_;
 };
 
-TEST_F(SwingWatchHand, MayTap) { EXPECT_EQ(Move(0, 4e-3, 6, 3), 1); }
-TEST_F(SwingWatchHand, MayTremble) { EXPECT_EQ(Move(-3e-3, 2e-4, 10, 3), 1); }
-TEST_F(SwingWatchHand, MayRub) { EXPECT_EQ(Move(-4e-3, 3e-3, 2, 3), 1); }
+TEST_F(SwingWatchHand, TappingKeepsFullGain) { EXPECT_EQ(Move(0, 4e-3, 6, 3), 1); }
+TEST_F(SwingWatchHand, TremorKeepsFullGain) { EXPECT_EQ(Move(-3e-3, 2e-4, 10, 3), 1); }
+TEST_F(SwingWatchHand, RubbingKeepsFullGain) { EXPECT_EQ(Move(-4e-3, 3e-3, 2, 3), 1); }
 
 // No hand moves at 25 Hz: the surface makes it swing. Lifted and put down again it is as stiff as before.
-TEST_F(SwingWatchHand, IsHeldBackWhileItTouches) {
+TEST_F(SwingWatchHand, SwingReducesGainUntilContactEnds) {
   EXPECT_LT(Move(-3e-3, 2e-4, 25, 1), 0.1);
   EXPECT_LT(Move(-3e-3, 0, 1, 1), 0.1);
   EXPECT_EQ(Move(5e-3, 0, 1, 0.3), 1);
   EXPECT_EQ(Move(-3e-3, 0, 1, 0.5), 1);
 }
 
-TEST_F(SwingWatchHand, NoiseIsNoSwing) {
+TEST_F(SwingWatchHand, TrackingNoiseKeepsFullGain) {
   std::mt19937 generator(3);
   std::normal_distribution<double> normal;
   pen_->input.noise = {1e-8, 0, 1e-4};

@@ -24,7 +24,7 @@ std::vector<std::string> Lines(const std::string& path) {
 // What CMake would install, and all else that is built of service, layer and scenes.
 std::vector<std::string> OurFiles() { return Lines(OMNI_BINARY_DIR "/hardening/files.txt"); }
 
-TEST(Hardening, EveryFileIsBoundAtStartAndElsewhereEachTime) {
+TEST(Hardening, EveryBinaryIsPositionIndependentWithFullRelro) {
   const std::vector<std::string> files = OurFiles();
   ASSERT_GE(files.size(), 8U);
   for (const std::string& path : files) {
@@ -40,7 +40,7 @@ TEST(Hardening, EveryFileIsBoundAtStartAndElsewhereEachTime) {
 constexpr const char* kPrints[] = {"printf", "fprintf", "snprintf", "vsnprintf", "vfprintf"};
 
 // The compiler takes the checked variant wherever it knows the size of what is written to.
-TEST(Hardening, EveryFileChecksItsStackAndItsCopies) {
+TEST(Hardening, EveryBinaryHasStackProtectorAndFortify) {
   for (const std::string& path : OurFiles()) {
     const base::Result<Hardening> file = ReadHardening(path);
     ASSERT_TRUE(file.ok()) << file.error();
@@ -58,7 +58,7 @@ TEST(Hardening, EveryFileChecksItsStackAndItsCopies) {
 
 // Large frames step over a guard page unless each page is touched: seen in the code of the two programs that have such
 // frames, and checked in the compiler flags of every file.
-TEST(Hardening, EveryLargeFrameIsProbed) {
+TEST(Hardening, ProgramsProbeLargeStackFrames) {
   for (const std::string& path : OurFiles()) {
     if (!path.ends_with("/bin/omnid") && !path.ends_with("/bin/omni")) continue;
     const base::Result<Hardening> file = ReadHardening(path);
@@ -67,7 +67,7 @@ TEST(Hardening, EveryLargeFrameIsProbed) {
   }
 }
 
-TEST(Hardening, EveryFileOfTheBuildIsCompiledWithIt) {
+TEST(Hardening, EverySourceIsCompiledWithHardeningFlags) {
   std::ifstream file(OMNI_BINARY_DIR "/compile_commands.json");
   const nlohmann::json commands = nlohmann::json::parse(file, nullptr, false);
   ASSERT_TRUE(commands.is_array());

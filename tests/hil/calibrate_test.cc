@@ -66,7 +66,7 @@ class HilCalibrate : public testing::Test {
   const test::TempFolder folder_;
 };
 
-TEST_F(HilCalibrate, MeasuresTheBaseThatIsPluggedIn) {
+TEST_F(HilCalibrate, CalibratesABaseOverUsb) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   const auto hand = tools::MakeCalibratingHand(device, {.away_s = 12, .wave_s = 6.5, .touches = 31, .seed = kSeed + 1});
   ASSERT_EQ(Run(hand, "room", {"--wave-seconds", "5", "--touches", "20"}), 0);
@@ -85,7 +85,7 @@ TEST_F(HilCalibrate, MeasuresTheBaseThatIsPluggedIn) {
   }
 }
 
-TEST_F(HilCalibrate, MeasuresThePensTip) {
+TEST_F(HilCalibrate, MeasuresTheTipOffsetOverUsb) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   const config::ExpectedBase of{.device = device, .drawing = magnetics::NominalCalibration(device), .serial = "omni"};
   base::TruthParameters room = config::RoomTwin();

@@ -74,7 +74,7 @@ struct Scenario {
 
 constexpr std::array<float, 3> kSome_A{1.5F, -2.0F, 3.0F};
 
-TEST(HilChain, BootsArmsAndFollows) {
+TEST(HilChain, BootsArmsAndFollowsSetPoints) {
   Scenario story;
   ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A, 300));
   for (std::size_t k = 0; k < 3; ++k) {
@@ -85,7 +85,7 @@ TEST(HilChain, BootsArmsAndFollows) {
 }
 
 // The same plant and the same frames: the board in QEMU does what the core on the host does, bit by bit.
-TEST(HilChain, EmulatedBoardGivesTheSameWorld) {
+TEST(HilChain, EmulatedBoardMatchesTheHostBoardExactly) {
   const std::string reason = NoBoardReason();
   if (!reason.empty()) GTEST_SKIP() << reason;
   Scenario host;
@@ -98,7 +98,7 @@ TEST(HilChain, EmulatedBoardGivesTheSameWorld) {
   EXPECT_EQ(host.plant.pose().centre_base_m.z, qemu.plant.pose().centre_base_m.z);
 }
 
-TEST(HilChain, HostSilenceEndsInZero) {
+TEST(HilChain, HostSilenceEndsInZeroCurrent) {
   Scenario story;
   ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A));
   double zero_ms = 0;
@@ -123,7 +123,7 @@ void PrintTo(const FaultCase& fault, std::ostream* out) { *out << fault.name; }
 
 class HilFault : public testing::TestWithParam<FaultCase> {};
 
-TEST_P(HilFault, EndsInZeroAndStays) {
+TEST_P(HilFault, EndsInZeroCurrentAndStaysLatched) {
   Scenario story;
   ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A));
   GetParam().apply(story.plant.faults());
@@ -160,7 +160,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& fault) { return std::string(fault.param.name); });
 
 // Current shrinks from 60 C on; below 1 A the resistance cannot be measured any more, but that current heats nothing.
-TEST(HilChain, HeatFromOutsideIsSeenInTheResistance) {
+TEST(HilChain, ExternalHeatIsMeasuredByResistanceAndDerates) {
   constexpr std::array<float, 3> kMuch_A{0, 0, 8};
   Scenario story;
   ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kMuch_A));
@@ -177,7 +177,7 @@ TEST(HilChain, HeatFromOutsideIsSeenInTheResistance) {
   EXPECT_LT(hot_A, 1.05);
 }
 
-TEST(HilChain, EstopOverEndpointZeroAndHello) {
+TEST(HilChain, EndpointZeroServesHelloAndEmergencyStop) {
   Scenario story;
   ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A));
   std::uint8_t answer[wire::kFrameSizeMax];
@@ -192,7 +192,7 @@ TEST(HilChain, EstopOverEndpointZeroAndHello) {
   EXPECT_NE(story.chain->telemetry().faults & wire::kFaultEmergencyStop, 0U);
 }
 
-TEST(HilChain, ResetStartsAnewAtZero) {
+TEST(HilChain, ResetRestartsTheBaseAtZeroCurrent) {
   Scenario story;
   ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A));
   ASSERT_TRUE(story.chain->Reset(firmware::ResetCause::kSoftware).ok());

@@ -20,13 +20,13 @@ std::vector<Frame> Numbered(std::size_t count) {
   return frames;
 }
 
-TEST(FaultyLink, IsSoundAtFirst) {
+TEST(FaultyLink, PassesFramesUnchangedByDefault) {
   FaultyLink link(1);
   const std::vector<Frame> frames = Numbered(100);
   EXPECT_EQ(Pass(link, frames), frames);
 }
 
-TEST(FaultyLink, EachFaultDoesWhatItsNameSays) {
+TEST(FaultyLink, EachFaultAltersFramesAsNamed) {
   const std::vector<Frame> frames = Numbered(2);
   const auto with = [&frames](const LinkFaults& faults) {
     FaultyLink link(1);
@@ -43,7 +43,7 @@ TEST(FaultyLink, EachFaultDoesWhatItsNameSays) {
   EXPECT_EQ(corrupted[0].size(), 16U);
 }
 
-TEST(FaultyLink, FaultsComeAtTheirRate) {
+TEST(FaultyLink, FaultsOccurAtTheConfiguredRate) {
   FaultyLink link(7);
   link.SetFaults({.drop = 0.1, .corrupt = 0.2});
   Pass(link, std::vector<Frame>(10000, Frame(16, 0)));

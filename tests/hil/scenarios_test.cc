@@ -120,7 +120,7 @@ void Show(const std::string& name, const HilSession& session, const json& summar
 }
 
 // The core in an emulated Cortex-M7 instead of this process.
-TEST(HilEmulatedCore, ServesAndFallsSilentLikeTheOther) {
+TEST(HilEmulatedCore, SilenceScenarioPassesOnTheEmulatedBoard) {
   OMNI_NEEDS_BOARD();
   HilSession session;
   const json summary = session.Run("silence", {"--board", "qemu"});
@@ -134,7 +134,7 @@ TEST(HilEmulatedCore, ServesAndFallsSilentLikeTheOther) {
 
 class HilScenario : public testing::TestWithParam<Expected> {};
 
-TEST_P(HilScenario, EndsAsItMust) {
+TEST_P(HilScenario, MeetsItsExpectations) {
   HilSession session;
   const json summary = session.Run(GetParam().scenario);
   ASSERT_TRUE(summary.is_object()) << "no summary";

@@ -86,7 +86,7 @@ std::string ErrorAfter(const std::function<void(FakeServer&)>& answer) {
   return connection.last_error();
 }
 
-TEST(Connection, WithoutServiceSaysSoAndKeepsTrying) {
+TEST(Connection, ReportsMissingServiceAndKeepsRetrying) {
   const TempFolder temp;
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   connection.Poll(base::MonotonicNow_ns());
@@ -97,7 +97,7 @@ TEST(Connection, WithoutServiceSaysSoAndKeepsTrying) {
   EXPECT_TRUE(PollUntilConnected(connection));
 }
 
-TEST(Connection, AttemptsAreSpaced) {
+TEST(Connection, WaitsForTheRetryInterval) {
   const TempFolder temp;
   auto info = InfoFor(temp.Path("omnid.sock"), "touch");
   info.retry_interval_ns = 1000;
@@ -110,7 +110,7 @@ TEST(Connection, AttemptsAreSpaced) {
   EXPECT_TRUE(server.HasCaller());
 }
 
-TEST(Connection, RefusesFoldersThatOthersCanEnter) {
+TEST(Connection, RejectsFoldersOpenToOtherUsers) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   ASSERT_EQ(::chmod(temp.Path().c_str(), 0755), 0);
@@ -125,13 +125,13 @@ TEST(Connection, RefusesFoldersThatOthersCanEnter) {
   ::unlink(link.c_str());
 }
 
-TEST(Connection, ALongPathIsAClearError) {
+TEST(Connection, RejectsOverlongPaths) {
   client::Connection connection(InfoFor("/" + std::string(200, 'x'), "touch"));
   connection.Poll(0);
   EXPECT_NE(connection.last_error().find("the limit is 107"), std::string::npos) << connection.last_error();
 }
 
-TEST(Connection, AnotherVersionIsNamed) {
+TEST(Connection, ReportsBothVersionsOnMismatch) {
   const std::string error = ErrorAfter([](FakeServer& server) {
     protocol::Reject reject;
     reject.header.version = 5;
@@ -143,7 +143,7 @@ TEST(Connection, AnotherVersionIsNamed) {
       << error;
 }
 
-TEST(Connection, TheReasonOfARefusalSurvivesTheEndOfTheSocket) {
+TEST(Connection, ReportsRejectReasonThoughTheSocketIsReset) {
   const std::string error = ErrorAfter([](FakeServer& server) {
     protocol::Reject reject;
     protocol::SetField(reject.reason, "because\x1B");
@@ -153,7 +153,7 @@ TEST(Connection, TheReasonOfARefusalSurvivesTheEndOfTheSocket) {
   EXPECT_NE(error.find("refused this client: because?"), std::string::npos) << error;
 }
 
-TEST(Connection, RefusesAWelcomeWithoutItsTwoDescriptors) {
+TEST(Connection, RejectsWelcomeWithoutTwoDescriptors) {
   for (const std::size_t count : {0u, 1u, 3u}) {
     const std::string error = ErrorAfter([count](FakeServer& server) {
       const base::UniqueFd life = LifeFile(kLifeSeals);
@@ -163,7 +163,7 @@ TEST(Connection, RefusesAWelcomeWithoutItsTwoDescriptors) {
   }
 }
 
-TEST(Connection, RefusesUnsealedMemory) {
+TEST(Connection, RejectsUnsealedMemory) {
   const std::string state = ErrorAfter([](FakeServer& server) {
     const base::UniqueFd life = LifeFile(kLifeSeals);
     const base::UniqueFd loose = LifeFile(F_SEAL_SEAL, sizeof(protocol::StateMemory));
@@ -183,7 +183,7 @@ TEST(Connection, RefusesUnsealedMemory) {
   EXPECT_NE(small.find("life page has 64 bytes"), std::string::npos) << small;
 }
 
-TEST(Connection, RefusesTheMemoryOfAnotherInstance) {
+TEST(Connection, RejectsStateMemoryOfAnotherInstance) {
   const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
   const std::string error = ErrorAfter([&](FakeServer& server) {
     const base::UniqueFd life = LifeFile(kLifeSeals);
@@ -192,7 +192,7 @@ TEST(Connection, RefusesTheMemoryOfAnotherInstance) {
   EXPECT_NE(error.find("another instance"), std::string::npos) << error;
 }
 
-TEST(Connection, NonsenseEndsTheConnectionOnly) {
+TEST(Connection, InvalidMessagesEndOnlyTheConnection) {
   const std::string noise = ErrorAfter([](FakeServer& server) { server.Send(std::array<char, 20>{}); });
   EXPECT_NE(noise.find("magic"), std::string::npos) << noise;
   const std::string early = ErrorAfter([](FakeServer& server) { server.Send(protocol::Notice{}); });
@@ -201,7 +201,7 @@ TEST(Connection, NonsenseEndsTheConnectionOnly) {
   EXPECT_NE(closed.find("closed the connection"), std::string::npos) << closed;
 }
 
-TEST(Connection, AServerThatNeverAnswersIsGivenUp) {
+TEST(Connection, TimesOutIfTheServerNeverAnswers) {
   const TempFolder temp;
   FakeServer server(temp.Path("omnid.sock"));
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
@@ -211,7 +211,7 @@ TEST(Connection, AServerThatNeverAnswersIsGivenUp) {
   EXPECT_NE(connection.last_error().find("does not answer"), std::string::npos) << connection.last_error();
 }
 
-TEST(Connection, AFloodOfNoticesIsBoundedPerPollAndInMemory) {
+TEST(Connection, BoundsNoticesPerPollAndInMemory) {
   const TempFolder temp;
   FakeServer server(temp.Path("omnid.sock"));
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
@@ -229,7 +229,7 @@ TEST(Connection, AFloodOfNoticesIsBoundedPerPollAndInMemory) {
   EXPECT_EQ(connection.PopNotices().size(), 32u);
 }
 
-TEST(Connection, AMonitorSendsNeitherSessionNorHaptics) {
+TEST(Connection, MonitorCannotSendSessionOrHaptics) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   auto info = InfoFor(temp.Path("omnid.sock"), "watch");
@@ -244,7 +244,7 @@ TEST(Connection, AMonitorSendsNeitherSessionNorHaptics) {
 }
 
 // When and how long a client waits for the properties of the device.
-TEST(Connection, ForcePropertiesAreAwaitedOnlyFromAServiceThatWasReached) {
+TEST(Connection, AwaitsForcePropertiesOnlyAfterReachingAService) {
   const TempFolder temp;
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   EXPECT_FALSE(connection.awaits_force_properties());
@@ -269,7 +269,7 @@ TEST(Connection, ForcePropertiesAreAwaitedOnlyFromAServiceThatWasReached) {
 }
 
 // Whoever starts a set-uid program chooses its environment, and must not choose its service.
-TEST(Connection, APrivilegedProcessTakesNoPathFromTheEnvironment) {
+TEST(Connection, PrivilegedProcessIgnoresSocketPathOfEnvironment) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   const ScopedVariable socket("OMNI_SOCKET", temp.Path("omnid.sock"));
@@ -318,7 +318,7 @@ std::unique_ptr<ipc::SurfacePublisher> OneSurface(std::uint64_t generation) {
   return std::move(ipc::SurfacePublisher::Create({.memory_generation = generation}, {&plan, 1}).value());
 }
 
-TEST(Connection, TakesSurfacesAndTheirSuccessors) {
+TEST(Connection, ReplacesSurfacesByNewerMemories) {
   RequestingSurfaces asking;
   EXPECT_FALSE(asking.connection.surfaces_answered());
   asking.Answer(0, 0, {});
@@ -338,7 +338,7 @@ TEST(Connection, TakesSurfacesAndTheirSuccessors) {
   EXPECT_TRUE(asking.connection.connected());
 }
 
-TEST(Connection, BrokenSurfacesEndTheConnectionOnly) {
+TEST(Connection, InvalidSurfacesEndOnlyTheConnection) {
   const auto memory = OneSurface(3);
   const auto error_after = [](std::uint64_t bytes, std::uint64_t generation, const std::vector<int>& fds) {
     RequestingSurfaces asking;

@@ -42,7 +42,7 @@ base::UniqueFd Dialled(const std::string& path) {
   return socket;
 }
 
-TEST(HandListener, TheNewestAimCounts) {
+TEST(HandListener, ReturnsTheNewestAimOnce) {
   const TempFolder folder;
   const auto listener = Opened(folder.Path("hand.sock"));
   EXPECT_FALSE(listener->Poll());
@@ -56,7 +56,7 @@ TEST(HandListener, TheNewestAimCounts) {
   EXPECT_FALSE(listener->Poll()) << "an aim is returned once";
 }
 
-TEST(HandListener, ReadsABoundedNumberAtATime) {
+TEST(HandListener, ReadsABoundedNumberOfAimsPerPoll) {
   const TempFolder folder;
   const auto listener = Opened(folder.Path("hand.sock"));
   HandLink link(folder.Path("hand.sock"));
@@ -67,7 +67,7 @@ TEST(HandListener, ReadsABoundedNumberAtATime) {
   EXPECT_EQ(listener->Poll()->tip_base_m[0], 1e-3 * kSent);
 }
 
-TEST(HandListener, IsClosedToOthersAndTakesItsSocketWithIt) {
+TEST(HandListener, SocketIsPrivateAndRemovedAtTheEnd) {
   const TempFolder folder;
   const std::string path = folder.Path("hand.sock");
   auto listener = Opened(path);
@@ -78,7 +78,7 @@ TEST(HandListener, IsClosedToOthersAndTakesItsSocketWithIt) {
   EXPECT_NE(::access(path.c_str(), F_OK), 0);
 }
 
-TEST(HandListener, RefusesFoldersThatOthersCanEnter) {
+TEST(HandListener, RejectsFoldersOpenToOtherUsers) {
   const TempFolder folder;
   ASSERT_EQ(::mkdir(folder.Path("open").c_str(), 0755), 0);
   ASSERT_EQ(::symlink(folder.Path().c_str(), folder.Path("link").c_str()), 0);
@@ -92,7 +92,7 @@ TEST(HandListener, RefusesFoldersThatOthersCanEnter) {
   EXPECT_NE(ErrorOf("/tmp/" + std::string(120, 'x')).find("107 bytes"), std::string::npos);
 }
 
-TEST(HandListener, ReplacesADeadSocketButNoLivingOneAndNoFile) {
+TEST(HandListener, ReplacesOnlyDeadSockets) {
   const TempFolder folder;
   const std::string path = folder.Path("hand.sock");
   const protocol::SocketAddress at = protocol::AddressOf(path);
@@ -113,7 +113,7 @@ TEST(HandListener, ReplacesADeadSocketButNoLivingOneAndNoFile) {
   EXPECT_EQ(std::filesystem::file_size(folder.Path("precious")), 4U);
 }
 
-TEST(HandListener, OneLeadsAndTheNextOneWaitsUntilItHasGone) {
+TEST(HandListener, SecondLeaderWaitsUntilTheFirstDisconnects) {
   const TempFolder folder;
   const auto listener = Opened(folder.Path("hand.sock"));
   HandLink second(folder.Path("hand.sock"));
@@ -130,7 +130,7 @@ TEST(HandListener, OneLeadsAndTheNextOneWaitsUntilItHasGone) {
   EXPECT_EQ(listener->Poll()->tip_base_m[0], 0.02);
 }
 
-TEST(HandListener, CutsOffWhoSendsAnythingElse) {
+TEST(HandListener, DisconnectsClientsThatSendInvalidPackets) {
   const TempFolder folder;
   const auto listener = Opened(folder.Path("hand.sock"));
   std::mt19937_64 random(1);
@@ -149,7 +149,7 @@ TEST(HandListener, CutsOffWhoSendsAnythingElse) {
   EXPECT_TRUE(listener->Poll()) << "others are not affected";
 }
 
-TEST(HandLink, NoticesThatTheTwinHasGone) {
+TEST(HandLink, DetectsThatTheTwinHasExited) {
   const TempFolder folder;
   auto listener = Opened(folder.Path("hand.sock"));
   HandLink link(folder.Path("hand.sock"));
@@ -165,7 +165,7 @@ TEST(HandLink, NoticesThatTheTwinHasGone) {
 }
 
 // A twin that does not read: aims are lost, the sender does not wait.
-TEST(HandLink, NeverWaits) {
+TEST(HandLink, SendNeverBlocks) {
   const TempFolder folder;
   const auto listener = Opened(folder.Path("hand.sock"));
   HandLink link(folder.Path("hand.sock"));

@@ -11,7 +11,7 @@ namespace test_ipc_lifecycle {
 using namespace test;
 using protocol::SessionState;
 
-TEST(Lifecycle, AKilledClientIsGoneAlthoughItsChildHoldsTheSocket) {
+TEST(Lifecycle, KilledClientIsRemovedThoughItsChildHoldsTheSocket) {
   const TempFolder temp;
   ForkedClient client(temp.Path("omnid.sock"), "victim", /*keeper=*/true);
   Service service(temp.Path("omnid.sock"));
@@ -24,7 +24,7 @@ TEST(Lifecycle, AKilledClientIsGoneAlthoughItsChildHoldsTheSocket) {
   RecordProperty("us_from_kill_to_gone", static_cast<int>((service.handler.GoneAt_ns(id) - killed_ns) / 1000));
 }
 
-TEST(Lifecycle, AFrozenClientGivesNoSignOfLife) {
+TEST(Lifecycle, StoppedClientStopsBeatingButStaysConnected) {
   const TempFolder temp;
   ForkedClient client(temp.Path("omnid.sock"), "frozen");
   Service service(temp.Path("omnid.sock"));
@@ -48,7 +48,7 @@ TEST(Lifecycle, AFrozenClientGivesNoSignOfLife) {
   EXPECT_TRUE(Eventually([&] { return service.handler.BeatAt_ns(id) > last_ns; }));
 }
 
-TEST(Lifecycle, ARestartedServiceGetsItsClientsAndTheirSessionsBack) {
+TEST(Lifecycle, ClientsReconnectToARestartedServiceWithTheirSessions) {
   const TempFolder temp;
   auto service = std::make_unique<Service>(temp.Path("omnid.sock"), 1);
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
@@ -84,7 +84,7 @@ TEST(Lifecycle, ARestartedServiceGetsItsClientsAndTheirSessionsBack) {
   EXPECT_TRUE(Eventually([&] { return service->handler.BeatAt_ns(id) > beat_ns; }));
 }
 
-TEST(Lifecycle, BeatsOnOtherThreadsSurviveReconnections) {
+TEST(Lifecycle, BeatIsSafeFromOtherThreadsDuringReconnection) {
   const TempFolder temp;
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
   std::atomic<bool> stop{false};
@@ -108,7 +108,7 @@ TEST(Lifecycle, BeatsOnOtherThreadsSurviveReconnections) {
   beating.join();
 }
 
-TEST(Lifecycle, AClientThatLeavesIsGone) {
+TEST(Lifecycle, ClosedConnectionRemovesTheClient) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   auto connection = std::make_unique<client::Connection>(InfoFor(temp.Path("omnid.sock"), "touch"));

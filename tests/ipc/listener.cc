@@ -26,7 +26,7 @@ mode_t ModeOf(const std::string& path) {
   return info.st_mode & 07777u;
 }
 
-TEST(Listener, MakesAClosedFolderAndSocket) {
+TEST(Listener, CreatesPrivateFolderAndSocket) {
   const TempFolder temp;
   const std::string path = temp.Path("omni/omnid.sock");
   const auto opened = Listener::Open(path);
@@ -36,7 +36,7 @@ TEST(Listener, MakesAClosedFolderAndSocket) {
   EXPECT_EQ(opened->path(), path);
 }
 
-TEST(Listener, LeavesTheFolderAndTakesTheSocketWithIt) {
+TEST(Listener, RemovesTheSocketButNotTheFolder) {
   const TempFolder temp;
   const std::string path = temp.Path("omni/omnid.sock");
   { ASSERT_TRUE(Listener::Open(path)); }
@@ -44,7 +44,7 @@ TEST(Listener, LeavesTheFolderAndTakesTheSocketWithIt) {
   EXPECT_EQ(::access((temp.Path("omni")).c_str(), F_OK), 0);
 }
 
-TEST(Listener, ASecondOneIsRefusedWithThePidOfTheFirst) {
+TEST(Listener, RejectsSecondListenerWithPidOfTheFirst) {
   const TempFolder temp;
   auto first = std::make_unique<base::Result<Listener>>(Listener::Open(temp.Path("omnid.sock")));
   ASSERT_TRUE(*first);
@@ -56,7 +56,7 @@ TEST(Listener, ASecondOneIsRefusedWithThePidOfTheFirst) {
   EXPECT_EQ(ErrorOf(temp.Path("omnid.sock")), "opened");
 }
 
-TEST(Listener, ADeadOmnidsSocketIsReplaced) {
+TEST(Listener, ReplacesTheSocketOfADeadOmnid) {
   const TempFolder temp;
   const protocol::SocketAddress at = protocol::AddressOf(temp.Path("omnid.sock"));
   {
@@ -76,7 +76,7 @@ TEST(Listener, NeverRemovesWhatIsNoSocket) {
   EXPECT_EQ(std::filesystem::file_size(temp.Path("omnid.sock")), 8u);
 }
 
-TEST(Listener, RefusesFoldersOfOthersLinksAndOpenOnes) {
+TEST(Listener, RejectsFoldersThatAreSymlinkedOpenOrMissing) {
   const TempFolder temp;
   const std::string real = temp.Path("real");
   const std::string link = temp.Path("link");
@@ -88,7 +88,7 @@ TEST(Listener, RefusesFoldersOfOthersLinksAndOpenOnes) {
   EXPECT_NE(ErrorOf(temp.Path("no/such/omnid.sock")).find("OMNI_SOCKET"), std::string::npos);
 }
 
-TEST(Listener, ALinkInPlaceOfTheLockIsRefused) {
+TEST(Listener, RejectsASymlinkAsLockFile) {
   const TempFolder temp;
   const std::string victim = temp.Path("victim");
   std::ofstream(victim) << "precious";
@@ -97,12 +97,12 @@ TEST(Listener, ALinkInPlaceOfTheLockIsRefused) {
   EXPECT_EQ(std::filesystem::file_size(victim), 8u);
 }
 
-TEST(Listener, ALongPathIsAClearError) {
+TEST(Listener, RejectsOverlongPaths) {
   const std::string error = ErrorOf("/tmp/" + std::string(120, 'x') + "/omnid.sock");
   EXPECT_NE(error.find("the limit is 107"), std::string::npos) << error;
 }
 
-TEST(Listener, NamesItsLock) {
+TEST(Listener, LockPathReplacesTheSockSuffix) {
   EXPECT_EQ(Listener::LockPathOf("/x/omnid.sock"), "/x/omnid.lock");
   EXPECT_EQ(Listener::LockPathOf("/x/other"), "/x/other.lock");
 }

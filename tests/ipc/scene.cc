@@ -46,7 +46,7 @@ std::optional<client::SceneAnswer> AnswerOf(client::Connection& connection) {
   return answer;
 }
 
-TEST(SceneCommands, CarryWhatWasAskedAndTheAnswerComesBack) {
+TEST(SceneCommands, CommandAndItsReplyCarryAllFields) {
   const TempFolder temp;
   SceneService scene(temp.Path("omnid.sock"), [](const protocol::SceneCommand& command) {
     return SceneReplyParts{.number = command.number, .done = false, .text = "clay: nothing to undo"};
@@ -74,7 +74,7 @@ TEST(SceneCommands, CarryWhatWasAskedAndTheAnswerComesBack) {
 }
 
 // Files of several sizes come over as they were.
-TEST(SceneCommands, AFileComesAsSealedMemory) {
+TEST(SceneCommands, FileArrivesAsSealedMemory) {
   const TempFolder temp;
   std::string content;
   SceneService scene(temp.Path("omnid.sock"), [&](const protocol::SceneCommand& command) {
@@ -97,7 +97,7 @@ TEST(SceneCommands, AFileComesAsSealedMemory) {
   }
 }
 
-TEST(SceneCommands, AFileThatIsNotWhatItSaysEndsTheConnection) {
+TEST(SceneCommands, InvalidFileEndsTheConnection) {
   const TempFolder temp;
   const auto memory = std::make_shared<base::UniqueFd>(std::move(*base::SealedCopy("test", "0123456789")));
   int which = 0;
@@ -117,7 +117,7 @@ TEST(SceneCommands, AFileThatIsNotWhatItSaysEndsTheConnection) {
   }
 }
 
-TEST(SceneCommands, ALongTextIsCutAndAServerTakesNoReply) {
+TEST(SceneCommands, LongTextIsTruncatedAndServerRejectsReplies) {
   const TempFolder temp;
   SceneService scene(temp.Path("omnid.sock"), [](const protocol::SceneCommand& command) {
     return SceneReplyParts{.number = command.number, .done = true, .text = std::string(100'000, 'x')};

@@ -15,7 +15,7 @@ namespace test_ipc_server_unit {
 using namespace test;
 using protocol::SessionState;
 
-TEST(Server, WelcomesAClientWithItsState) {
+TEST(Server, WelcomesAClientWithTheStateMemory) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
@@ -38,7 +38,7 @@ TEST(Server, WelcomesAClientWithItsState) {
   EXPECT_EQ(seen.t_ns, 5);
 }
 
-TEST(Server, HandsOnSessionAndHaptics) {
+TEST(Server, DeliversSessionAndHapticsToTheHandler) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
@@ -77,7 +77,7 @@ TEST(Server, AnswersStatus) {
   EXPECT_EQ(connection.PopStatus(), "");
 }
 
-TEST(Server, AStatusThatDoesNotFitIsAnErrorText) {
+TEST(Server, OversizedStatusIsReplacedByAnError) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"), 77, [](ipc::ServerOptions&, RecordingHandler& handler) {
     handler.status = std::string(protocol::kMaxMessageBytes, 'x');
@@ -104,7 +104,7 @@ TEST(Server, NoticesReachTheClient) {
   EXPECT_STREQ(notices[0].text, "scene 'x' did not load");
 }
 
-TEST(Server, AnotherVersionIsToldBothVersions) {
+TEST(Server, RejectsOtherVersionsNamingBoth) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   RawClient raw(temp.Path("omnid.sock"));
@@ -123,7 +123,7 @@ TEST(Server, AnotherVersionIsToldBothVersions) {
 }
 
 // The reason names the role that may send the message.
-TEST(Server, AMessageOfAnotherRoleIsRefused) {
+TEST(Server, RejectsMessagesThatTheRoleMayNotSend) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   const auto reason_of = [&](protocol::ClientRole role, const auto& message) {
@@ -148,7 +148,7 @@ TEST(Server, AMessageOfAnotherRoleIsRefused) {
 }
 
 // A descriptor that no row of the table has, and one that is missing.
-TEST(Server, DescriptorsAreThoseOfTheTable) {
+TEST(Server, RejectsUnexpectedOrMissingDescriptors) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   RawClient with(temp.Path("omnid.sock")), without(temp.Path("omnid.sock"));
@@ -164,7 +164,7 @@ TEST(Server, DescriptorsAreThoseOfTheTable) {
   EXPECT_EQ(without.RejectReason(), "HapticSceneLoad: comes without its descriptor");
 }
 
-TEST(Server, GarbageCostsOnlyItsSender) {
+TEST(Server, InvalidMessagesEndOnlyTheirSendersConnection) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   client::Connection good(InfoFor(temp.Path("omnid.sock"), "good"));
@@ -213,7 +213,7 @@ TEST(Server, GarbageCostsOnlyItsSender) {
   EXPECT_TRUE(Eventually([&] { return service.handler.Stops() == 1; }));
 }
 
-TEST(Server, TheThirtyThirdClientIsRefusedWithAReason) {
+TEST(Server, RejectsThe33rdClientWithAReason) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   std::vector<std::unique_ptr<RawClient>> clients;
@@ -230,7 +230,7 @@ TEST(Server, TheThirtyThirdClientIsRefusedWithAReason) {
   EXPECT_TRUE(PollUntilConnected(late)) << "a place is free again";
 }
 
-TEST(Server, ASilentConnectionIsClosed) {
+TEST(Server, ClosesConnectionsWithoutHello) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"), 77,
                   [](ipc::ServerOptions& options, RecordingHandler&) { options.hello_timeout_ns = 20'000'000; });
@@ -239,7 +239,7 @@ TEST(Server, ASilentConnectionIsClosed) {
   EXPECT_TRUE(raw.AtEnd());
 }
 
-TEST(Server, ManySilentConnectionsDoNotPileUp) {
+TEST(Server, LimitsConnectionsWithoutHello) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   std::vector<std::unique_ptr<RawClient>> silent;
@@ -249,7 +249,7 @@ TEST(Server, ManySilentConnectionsDoNotPileUp) {
   EXPECT_NE(next.RejectReason().find("have not sent Hello"), std::string::npos);
 }
 
-TEST(Server, AClientThatDoesNotReadLosesMessagesOnly) {
+TEST(Server, ClientThatDoesNotReadOnlyLosesMessages) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"), 77,
                   [](ipc::ServerOptions&, RecordingHandler& handler) { handler.notices_per_period = 100; });
@@ -263,7 +263,7 @@ TEST(Server, AClientThatDoesNotReadLosesMessagesOnly) {
   EXPECT_EQ(service.handler.GoneAt_ns(id), 0);
 }
 
-TEST(Server, AHandlerThatThrowsCostsThatClientOnly) {
+TEST(Server, ThrowingHandlerEndsOnlyThatConnection) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   RawClient raw(temp.Path("omnid.sock"));
@@ -275,7 +275,7 @@ TEST(Server, AHandlerThatThrowsCostsThatClientOnly) {
   EXPECT_NE(service.Log()[0].find("planted"), std::string::npos);
 }
 
-TEST(Server, NamesAreMadePrintable) {
+TEST(Server, MakesClientNamesPrintable) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   RawClient raw(temp.Path("omnid.sock"));
@@ -283,7 +283,7 @@ TEST(Server, NamesAreMadePrintable) {
   EXPECT_TRUE(Eventually([&] { return service.handler.Has("evil?[2J?"); }));
 }
 
-TEST(Server, SignsOfLifeAdvance) {
+TEST(Server, BeatAdvancesTheTimeOfTheLastBeat) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
@@ -297,7 +297,7 @@ TEST(Server, SignsOfLifeAdvance) {
   EXPECT_TRUE(Eventually([&] { return service.handler.BeatAt_ns(id) > first_ns; }));
 }
 
-TEST(Server, ChecksItsOptions) {
+TEST(Server, RejectsInvalidOptions) {
   const TempFolder temp;
   RecordingHandler handler;
   const auto publisher = std::move(ipc::StatePublisher::Create(1).value());
@@ -319,7 +319,7 @@ TEST(Server, ChecksItsOptions) {
 }
 
 // Needs root, to become another user and to open the folder to that user.
-TEST(Server, AnotherUserIsRefused) {
+TEST(Server, RejectsOtherUsers) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root to become another user";
   const TempFolder temp;
   int pipe_fds[2];

@@ -32,7 +32,7 @@ Bytes RandomPacket(std::mt19937_64& random) {
   return bytes;
 }
 
-TEST(ServerFuzz, OthersLiveOn) {
+TEST(ServerFuzz, OtherClientsSurviveRandomPackets) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   client::Connection good(InfoFor(temp.Path("omnid.sock"), "good"));

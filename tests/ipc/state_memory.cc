@@ -48,7 +48,7 @@ TEST(StatePublisher, SealsItsMemory) {
   EXPECT_NE(::fcntl(publisher->fd(), F_GETFD) & FD_CLOEXEC, 0);
 }
 
-TEST(StatePublisher, NobodyElseCanWriteOrResize) {
+TEST(StatePublisher, MemoryCannotBeWrittenOrResizedByOthers) {
   const auto publisher = MakePublisher();
   const char byte = 1;
   EXPECT_LT(::pwrite(publisher->fd(), &byte, 1, 0), 0);
@@ -70,7 +70,7 @@ TEST(StateReader, SeesNothingBeforeTheFirstSample) {
   EXPECT_EQ(reader->service_instance(), 42u);
 }
 
-TEST(StateReader, SeesWhatWasPublished) {
+TEST(StateReader, ReadsThePublishedSample) {
   const auto publisher = MakePublisher();
   const auto reader = ReaderOf(*publisher);
   ToolSample sample = SampleAt(1'000'000);
@@ -104,7 +104,7 @@ TEST(StateReader, KeepsAQuarterSecondOfHistory) {
   EXPECT_EQ(after.t_ns, newest_ns - 249'000'000);
 }
 
-TEST(StateReader, OutsideTheHistoryIsItsEnds) {
+TEST(StateReader, AroundClampsToTheEndsOfTheHistory) {
   const auto publisher = MakePublisher();
   const auto reader = ReaderOf(*publisher);
   for (std::int64_t i = 1; i <= 2000; ++i) publisher->Publish(SampleAt(i * 1'000'000), {});
@@ -118,7 +118,7 @@ TEST(StateReader, OutsideTheHistoryIsItsEnds) {
   EXPECT_EQ(before.t_ns, (2000 - (protocol::kRingCapacity - 2)) * std::int64_t{1'000'000});
 }
 
-TEST(StatePublisher, PublishesNothingInsane) {
+TEST(StatePublisher, ReplacesInvalidSamplesByNoPose) {
   const auto publisher = MakePublisher();
   const auto reader = ReaderOf(*publisher);
   ToolSample sample = SampleAt(5);
@@ -145,7 +145,7 @@ protocol::VehicleSnapshot CarAt(double x_m) {
           .speed_m_s = 0.05};
 }
 
-TEST(StateReader, SeesTheCarWhileThereIsOne) {
+TEST(StateReader, ReadsTheVehicleWhileThereIsOne) {
   const auto publisher = MakePublisher();
   const auto reader = ReaderOf(*publisher);
   protocol::VehicleSnapshot car;
@@ -166,7 +166,7 @@ TEST(StateReader, SeesTheCarWhileThereIsOne) {
   EXPECT_EQ(car.on, 0U);
 }
 
-TEST(StatePublisher, AnInsaneCarIsNone) {
+TEST(StatePublisher, InvalidVehicleIsPublishedAsNone) {
   const auto publisher = MakePublisher();
   const auto reader = ReaderOf(*publisher);
   protocol::VehicleSnapshot car = CarAt(std::numeric_limits<double>::quiet_NaN());
@@ -219,7 +219,7 @@ std::string ErrorOf(int fd, std::uint32_t announced = kStateBytes) {
   return reader.ok() ? "accepted" : reader.error();
 }
 
-TEST(StateReader, RefusesMissingSeals) {
+TEST(StateReader, RejectsMissingSeals) {
   const std::pair<int, const char*> seals[] = {{F_SEAL_FUTURE_WRITE, "F_SEAL_FUTURE_WRITE"},
                                                {F_SEAL_SHRINK, "F_SEAL_SHRINK"},
                                                {F_SEAL_GROW, "F_SEAL_GROW"},
@@ -230,13 +230,13 @@ TEST(StateReader, RefusesMissingSeals) {
   }
 }
 
-TEST(StateReader, RefusesWrongSizes) {
+TEST(StateReader, RejectsWrongSizes) {
   EXPECT_NE(ErrorOf(MakeFile(kAllSeals, kStateBytes - 64, GoodHeader{})).find("bytes"), std::string::npos);
   EXPECT_NE(ErrorOf(MakeFile(kAllSeals, kStateBytes * 2, GoodHeader{})).find("bytes"), std::string::npos);
   EXPECT_NE(ErrorOf(MakeFile(kAllSeals, kStateBytes, GoodHeader{}), 4096).find("announced"), std::string::npos);
 }
 
-TEST(StateReader, RefusesOtherLayouts) {
+TEST(StateReader, RejectsOtherLayouts) {
   const auto refused = [](void (*spoil)(protocol::StateHeader&)) {
     GoodHeader header;
     spoil(header);
@@ -253,7 +253,7 @@ TEST(StateReader, RefusesOtherLayouts) {
   EXPECT_NE(refused([](protocol::StateHeader& h) { h.total_bytes = 1; }).find("layout"), std::string::npos);
 }
 
-TEST(StateReader, RefusesWhatIsNoMemoryFile) {
+TEST(StateReader, RejectsDescriptorsThatAreNotMemoryFiles) {
   EXPECT_NE(ErrorOf(::open("/dev/null", O_RDONLY | O_CLOEXEC)).find("sealable"), std::string::npos);
   EXPECT_NE(ErrorOf(-1).find("sealable"), std::string::npos);
 }

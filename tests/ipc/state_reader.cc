@@ -77,7 +77,7 @@ TEST(StateReaderProperty, AroundAgreesWithBruteForce) {
   }
 }
 
-TEST(StateReaderProperty, NoMixtureUnderAWriterAtFullSpeed) {
+TEST(StateReaderProperty, NeverMixesSamplesUnderAFastWriter) {
   const auto publisher = std::move(StatePublisher::Create(1).value());
   const auto reader = StateReader::Map(base::UniqueFd(::dup(publisher->fd())), sizeof(StateMemory)).value();
   std::atomic<bool> stop{false};
@@ -170,7 +170,7 @@ void ReadAll(const StateReader& reader, std::mt19937_64& random) {
   }
 }
 
-TEST(StateReaderProperty, RandomBytesNeverHurt) {
+TEST(StateReaderProperty, RandomMemoryYieldsOnlyValuesInRange) {
   std::mt19937_64 random(5);
   const HostileMemory hostile;
   ASSERT_NE(hostile.reader, nullptr);
@@ -192,7 +192,7 @@ TEST(StateReaderProperty, RandomBytesNeverHurt) {
 }
 
 // Sequences are right, so that the search runs on garbage times and values.
-TEST(StateReaderProperty, RightSequencesWithGarbageInsideNeverHurt) {
+TEST(StateReaderProperty, GarbageWithValidSequencesYieldsOnlyValuesInRange) {
   std::mt19937_64 random(6);
   const HostileMemory hostile;
   ASSERT_NE(hostile.reader, nullptr);
@@ -210,7 +210,7 @@ TEST(StateReaderProperty, RightSequencesWithGarbageInsideNeverHurt) {
   }
 }
 
-TEST(StateReaderProperty, ExtremeCountsOfPublications) {
+TEST(StateReaderProperty, ExtremePublicationCountsReadAsNothing) {
   std::mt19937_64 random(8);
   const HostileMemory hostile;
   ASSERT_NE(hostile.reader, nullptr);

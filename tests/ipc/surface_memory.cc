@@ -51,7 +51,7 @@ std::shared_ptr<const SurfaceReader> ReaderOfSurfaces(const SurfacePublisher& pu
   return *reader;
 }
 
-TEST(SurfacePublisher, SealsItsMemoryAndKeepsOthersFromWriting) {
+TEST(SurfacePublisher, MemoryIsSealedAgainstOtherWriters) {
   const auto publisher = PublisherOf({kSoftPlan});
   EXPECT_EQ(::fcntl(publisher->fd(), F_GET_SEALS), kSurfaceSeals);
   EXPECT_NE(::ftruncate(publisher->fd(), 4096), 0);
@@ -59,7 +59,7 @@ TEST(SurfacePublisher, SealsItsMemoryAndKeepsOthersFromWriting) {
   EXPECT_EQ(writable, MAP_FAILED);
 }
 
-TEST(SurfacePublisher, RefusesPlansOverTheLimits) {
+TEST(SurfacePublisher, RejectsPlansOverTheLimits) {
   SurfacePlan plan = kSoftPlan;
   plan.vertex_capacity = protocol::kMaxSurfaceVertices + 1;
   const auto made = SurfacePublisher::Create(kId, {&plan, 1});
@@ -68,7 +68,7 @@ TEST(SurfacePublisher, RefusesPlansOverTheLimits) {
   EXPECT_FALSE(SurfacePublisher::Create({.service_instance = 1}, {&kSoftPlan, 1}).ok()) << "generation 0";
 }
 
-TEST(SurfaceReader, SeesWhatWasPublishedAndOnlyWhatIsNew) {
+TEST(SurfaceReader, ReportsOnlyWhatChanged) {
   const auto publisher = PublisherOf({kSoftPlan, kClayPlan, kCupPlan});
   const auto reader = ReaderOfSurfaces(*publisher);
   ASSERT_EQ(reader->object_count(), 3U);
@@ -96,7 +96,7 @@ TEST(SurfaceReader, SeesWhatWasPublishedAndOnlyWhatIsNew) {
   EXPECT_EQ(ball.frame.largest_displacement_m, 0.001);
 }
 
-TEST(SurfaceReader, SculptedSurfacesGrow) {
+TEST(SurfaceReader, SculptedSurfaceGrowsUpToItsCapacity) {
   const auto publisher = PublisherOf({kClayPlan});
   const auto reader = ReaderOfSurfaces(*publisher);
   SurfaceCopy clay;
@@ -131,7 +131,7 @@ TEST(SurfaceReader, AMovedObjectHasAPose) {
   EXPECT_TRUE(cup.vertices_base_m.empty());
 }
 
-TEST(SurfacePublisher, RefusesWhatReadersWould) {
+TEST(SurfacePublisher, RejectsInvalidUpdates) {
   const auto publisher = PublisherOf({kSoftPlan, kCupPlan});
   const auto reader = ReaderOfSurfaces(*publisher);
   std::vector<SurfacePoint> points = kSquare;
@@ -153,7 +153,7 @@ TEST(SurfacePublisher, RefusesWhatReadersWould) {
 }
 
 // Changes of one memory mean nothing in another: they count from 1 in each.
-TEST(SurfaceReader, AnotherMemoryStartsAnew) {
+TEST(SurfaceReader, CopyIsRefilledFromAnotherMemory) {
   const auto first = PublisherOf({kSoftPlan});
   const auto second = PublisherOf({kSoftPlan}, {.service_instance = 42, .memory_generation = 2});
   std::vector<SurfacePoint> other = kSquare;
@@ -168,7 +168,7 @@ TEST(SurfaceReader, AnotherMemoryStartsAnew) {
   EXPECT_EQ(reader->memory_generation(), 2U);
 }
 
-TEST(SurfaceReader, SeesThatTheWriterLives) {
+TEST(SurfaceReader, PulseCountsTheWritersPolls) {
   const auto publisher = PublisherOf({kSoftPlan});
   const auto reader = ReaderOfSurfaces(*publisher);
   protocol::SurfacePulse pulse;
@@ -186,7 +186,7 @@ std::string ErrorOfSurfaces(int fd, std::uint64_t announced_bytes) {
   return reader.ok() ? "accepted" : reader.error();
 }
 
-TEST(SurfaceReader, RefusesWhatIsNoSurfaceMemory) {
+TEST(SurfaceReader, RejectsInvalidMemory) {
   const auto publisher = PublisherOf({kSoftPlan});
   std::string error;
   error = ErrorOfSurfaces(::dup(publisher->fd()), publisher->bytes() + 64);

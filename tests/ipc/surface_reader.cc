@@ -51,7 +51,7 @@ void ExpectOneGeneration(const SurfaceCopy& copy) {
   ASSERT_EQ(copy.triangles, expected.triangles);
 }
 
-TEST(SurfaceReaderProperty, NoMixtureUnderAWriterAtFullSpeed) {
+TEST(SurfaceReaderProperty, NeverMixesPublicationsUnderAFastWriter) {
   const protocol::SurfacePlan plans[] = {kClay, kCup};
   const auto publisher = std::move(SurfacePublisher::Create({.memory_generation = 1}, plans).value());
   const auto reader = SurfaceReader::Map(base::UniqueFd(::dup(publisher->fd())), publisher->bytes()).value();
@@ -126,7 +126,7 @@ void ExpectDrawable(const SurfaceReader& reader, std::size_t object, SurfaceCopy
 }
 
 // The writer has reused the buffer that was copied: three publications later, not two.
-TEST(SurfaceReaderProperty, OvertakenReadsAreGivenUp) {
+TEST(SurfaceReaderProperty, GivesUpReadsThatTheWriterOvertook) {
   const HostileSurfaces hostile;
   ASSERT_NE(hostile.reader, nullptr);
   protocol::SurfaceEntry& entry = hostile.Entry(0);
@@ -146,7 +146,7 @@ TEST(SurfaceReaderProperty, OvertakenReadsAreGivenUp) {
   EXPECT_EQ(hostile.reader->Read(0, copy), SurfaceRead::kNothing);
 }
 
-TEST(SurfaceReaderProperty, RandomBytesNeverHurt) {
+TEST(SurfaceReaderProperty, RandomMemoryYieldsOnlyDrawableSurfaces) {
   std::mt19937_64 random(3);
   const HostileSurfaces hostile;
   ASSERT_NE(hostile.reader, nullptr);
@@ -165,7 +165,7 @@ TEST(SurfaceReaderProperty, RandomBytesNeverHurt) {
 }
 
 // Frames that look right over buffers that are not, and the reverse: the deeper checks get their turn.
-TEST(SurfaceReaderProperty, RightFramesOverGarbageNeverHurt) {
+TEST(SurfaceReaderProperty, ValidFramesOverGarbageYieldOnlyDrawableSurfaces) {
   std::mt19937_64 random(4);
   const HostileSurfaces hostile;
   ASSERT_NE(hostile.reader, nullptr);

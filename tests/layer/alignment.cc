@@ -63,7 +63,7 @@ class Alignment : public testing::Test {
   XrSpace local = XR_NULL_HANDLE, stage = XR_NULL_HANDLE, pen = XR_NULL_HANDLE;
 };
 
-TEST_F(Alignment, TheServiceIsAskedByRuntimeSystemAndSpaces) {
+TEST_F(Alignment, RequestsPlacementForRuntimeSystemAndSpaces) {
   App app;
   Start(app);
   const Heard heard = service->heard();
@@ -78,7 +78,7 @@ TEST_F(Alignment, TheServiceIsAskedByRuntimeSystemAndSpaces) {
   EXPECT_EQ(request.spaces[request.space_count - 1], protocol::kSpaceLocal);
 }
 
-TEST_F(Alignment, AMeasuredPlacementHoldsInItsSpace) {
+TEST_F(Alignment, MeasuredPlacementLocatesPenInItsSpace) {
   service->SetBasePose(KnownIn(protocol::kSpaceStage, kPlaced));
   App app;
   Start(app);
@@ -88,7 +88,7 @@ TEST_F(Alignment, AMeasuredPlacementHoldsInItsSpace) {
   EXPECT_LT(DistanceFrom(in_stage - glm::dvec3(0, 1.6, 0), local), 1e-5) << "LOCAL is 1.6 m above STAGE";
 }
 
-TEST_F(Alignment, AChangeReachesTheSession) {
+TEST_F(Alignment, NewPlacementMovesPenInRunningSession) {
   App app;
   Start(app);
   Pose moved = kPlaced;
@@ -102,7 +102,7 @@ TEST_F(Alignment, AChangeReachesTheSession) {
 }
 
 // A guess is VALID and not TRACKED; if the user disabled guessing, there is no pose.
-TEST_F(Alignment, WithoutAPlacementThePenIsGuessedAndNotTracked) {
+TEST_F(Alignment, UnknownPlacementIsGuessedAndNotTracked) {
   protocol::BasePose unknown;
   service->SetBasePose(unknown);
   App app;
@@ -125,7 +125,7 @@ TEST_F(Alignment, WithoutAPlacementThePenIsGuessedAndNotTracked) {
   EXPECT_TRUE(app.SyncUntil(*service, [&] { return At(local).locationFlags == 0; }));
 }
 
-TEST_F(Alignment, ADoubtfulPlacementIsNotTracked) {
+TEST_F(Alignment, DoubtfulPlacementIsNotTracked) {
   protocol::BasePose doubtful = KnownIn(protocol::kSpaceStage, kPlaced);
   doubtful.doubtful = 1;
   service->SetBasePose(doubtful);
@@ -137,7 +137,7 @@ TEST_F(Alignment, ADoubtfulPlacementIsNotTracked) {
 
 // [XrEventDataReferenceSpaceChangePending] Recentring LOCAL must not move the pen in the world, at once or afterwards,
 // and the service is notified.
-TEST_F(Alignment, RecentringIsFollowedAndReported) {
+TEST_F(Alignment, RecentringKeepsPenInPlaceAndIsReportedToService) {
   service->SetBasePose(KnownIn(protocol::kSpaceLocal, kPlaced));
   App app;
   Start(app);
@@ -180,7 +180,7 @@ TEST_F(Alignment, RecentringIsFollowedAndReported) {
 }
 
 // A runtime that moves an origin by 250 m: the new origin counts as unknown, for the service too.
-TEST_F(Alignment, ARecentringOutOfRangeClearsTracked) {
+TEST_F(Alignment, OutOfRangeRecentringClearsTracked) {
   service->SetBasePose(KnownIn(protocol::kSpaceLocal, kPlaced));
   App app;
   Start(app);
@@ -199,7 +199,7 @@ TEST_F(Alignment, ARecentringOutOfRangeClearsTracked) {
 }
 
 // Another application was faster: the placement that we get has the change already, our own event comes later.
-TEST_F(Alignment, AChangeThatIsInThePlacementIsNotMadeTwice) {
+TEST_F(Alignment, RecentringAlreadyInPlacementIsNotAppliedTwice) {
   App app;
   Start(app);
   protocol::BasePose after = KnownIn(protocol::kSpaceLocal, kPlaced);
@@ -213,7 +213,7 @@ TEST_F(Alignment, AChangeThatIsInThePlacementIsNotMadeTwice) {
   EXPECT_TRUE(service->heard().space_changes.empty());
 }
 
-TEST_F(Alignment, ANewServiceIsAskedAgain) {
+TEST_F(Alignment, RequestsPlacementAgainFromNewService) {
   App app;
   Start(app);
   service.reset();

@@ -60,7 +60,7 @@ struct Functions {
   PFN_xrSetInputDeviceLocationEXT location;
 };
 
-TEST_F(Automation, DeviceComesGoesAndComesBack) {
+TEST_F(Automation, SettingDeviceActiveTakesEffectAtSync) {
   App app(WithAutomation());
   const Functions f(app);
   ASSERT_EQ(app.Sync(), XR_SUCCESS);
@@ -80,7 +80,7 @@ TEST_F(Automation, DeviceComesGoesAndComesBack) {
   }
 }
 
-TEST_F(Automation, StatesOfEveryType) {
+TEST_F(Automation, SetsBooleanFloatAndVectorStatesAtSync) {
   App app(WithAutomation());
   const Functions f(app);
   ASSERT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_TRUE), XR_SUCCESS);
@@ -112,7 +112,7 @@ XrSpaceLocation AimAfter(const App& app, const Functions& f, const char* path, c
   return location;
 }
 
-TEST_F(Automation, LocationOfAnyPose) {
+TEST_F(Automation, SettingLocationPlacesTheNamedPose) {
   App app(WithAutomation());
   const Functions f(app);
   const XrPosef wanted{{0.5f, 0.5f, 0.5f, 0.5f}, {0.3f, 1.1f, -0.2f}};
@@ -126,7 +126,7 @@ TEST_F(Automation, LocationOfAnyPose) {
 }
 
 // ... also of one that is not where the tool frame is: the tip then lies 5 cm before the grip.
-TEST_F(Automation, LocationOfTheGripMovesTheTip) {
+TEST_F(Automation, SettingGripLocationMovesTheTip) {
   App app(WithAutomation());
   const Functions f(app);
   const XrPosef wanted{{0, 0, 0, 1}, {0.3f, 1.1f, -0.2f}};
@@ -137,7 +137,7 @@ TEST_F(Automation, LocationOfTheGripMovesTheTip) {
 }
 
 // A test that sets states replaces the hardware.
-TEST_F(Automation, HardwareIsNotHeardAnyMore) {
+TEST_F(Automation, SimulatedDeviceOverridesHardware) {
   FakeService service;
   App app(WithAutomation());
   const Functions f(app);
@@ -149,7 +149,7 @@ TEST_F(Automation, HardwareIsNotHeardAnyMore) {
   EXPECT_EQ(app.Float(app.force, app.right).currentState, 0.0f);
 }
 
-TEST_F(Automation, Errors) {
+TEST_F(Automation, InvalidArgumentsReturnSpecifiedErrors) {
   App app(WithAutomation());
   const Functions f(app);
   EXPECT_EQ(f.active(app.session, app.Path("/interaction_profiles/no/such"), app.right, XR_TRUE),
@@ -168,7 +168,7 @@ TEST_F(Automation, Errors) {
             XR_ERROR_HANDLE_INVALID);
 }
 
-TEST_F(Automation, OnlyInTestMode) {
+TEST_F(Automation, NeedsTestModeAndConformanceManifest) {
   unsetenv("OMNI_TEST_MODE");
   EXPECT_THROW(App app(WithAutomation()), std::runtime_error) << "no layer or runtime has the extension";
   setenv("OMNI_TEST_MODE", "1", 1);

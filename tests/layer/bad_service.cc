@@ -86,7 +86,7 @@ class BadService : public testing::Test {
 };
 
 // Three attempts and more, one line, which names both versions and the remedy.
-TEST_F(BadService, MismatchIsSaidOnce) {
+TEST_F(BadService, VersionMismatchIsLoggedOnce) {
   const OddService service(OddService::Manner::kOtherVersion);
   const App app;
   ASSERT_TRUE(Eventually([&] {
@@ -99,7 +99,7 @@ TEST_F(BadService, MismatchIsSaidOnce) {
 }
 
 // omnid is upgraded: the old one ends, one of another version comes, then the right one.
-TEST_F(BadService, UpgradeUnderARunningApplication) {
+TEST_F(BadService, ApplicationRecoversWhenServiceIsUpgraded) {
   App app;
   {
     FakeService service;
@@ -121,7 +121,7 @@ TEST_F(BadService, UpgradeUnderARunningApplication) {
 }
 
 // A service that accepts and never answers delays no call.
-TEST_F(BadService, SilentServiceBlocksNobody) {
+TEST_F(BadService, SilentServiceDoesNotBlockSync) {
   const OddService service(OddService::Manner::kSilent);
   const App app;
   ASSERT_TRUE(Eventually([&] { return service.connections() == 1; }));
@@ -137,7 +137,7 @@ TEST_F(BadService, SilentServiceBlocksNobody) {
 }
 
 // Only the first query of an instance waits for a service that is connected and silent.
-TEST_F(BadService, SilentServiceDelaysOneQueryOnly) {
+TEST_F(BadService, SilentServiceDelaysOnlyTheFirstQuery) {
   const OddService service(OddService::Manner::kSilent);
   const App app(WithForceAndNoMore());
   const auto query_ns = [&] {

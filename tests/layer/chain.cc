@@ -33,7 +33,7 @@ bool Mapped(const std::string& library) {
 }
 
 // [loader: API Layer Conventions and Rules]
-TEST_F(Chain, LayerTellsOfItselfOnly) {
+TEST_F(Chain, EnumeratesOnlyItselfAndItsExtensions) {
   const MiniLoader loader({OmniLayer()});
   const auto layers =
       reinterpret_cast<PFN_xrEnumerateApiLayerProperties>(loader.Get(XR_NULL_HANDLE, "xrEnumerateApiLayerProperties"));
@@ -57,7 +57,7 @@ TEST_F(Chain, LayerTellsOfItselfOnly) {
   for (const XrExtensionProperties& extension : list) EXPECT_GT(std::strlen(extension.extensionName), 3u);
 }
 
-TEST_F(Chain, LayerHasNoCreateInstance) {
+TEST_F(Chain, DoesNotExposeCreateInstanceOrUnknownFunctions) {
   const MiniLoader loader({OmniLayer()});
   EXPECT_FALSE(loader.Get(XR_NULL_HANDLE, "xrCreateInstance"));
   EXPECT_FALSE(loader.Get(XR_NULL_HANDLE, "xrNothing"));
@@ -66,7 +66,7 @@ TEST_F(Chain, LayerHasNoCreateInstance) {
 }
 
 // [loader: negotiation] no compile-time gate: any application version works.
-TEST_F(Chain, ApplicationsOf10And11) {
+TEST_F(Chain, WorksForApplicationsOfOpenXR10And11) {
   const MiniLoader loader({OmniLayer()});
   for (const XrVersion version : {XR_MAKE_VERSION(1, 0, 0), XR_MAKE_VERSION(1, 0, 20), XR_MAKE_VERSION(1, 0, 34),
                                   XR_MAKE_VERSION(1, 1, 0), XR_MAKE_VERSION(1, 1, 46)}) {
@@ -85,7 +85,7 @@ TEST_F(Chain, ApplicationsOf10And11) {
 }
 
 // Two applications at once: paths, handles, states and profiles do not mix.
-TEST_F(Chain, TwoInstancesAreApart) {
+TEST_F(Chain, TwoInstancesDoNotShareState) {
   const MiniLoader loader({OmniLayer()});
   FakeService service;
   ChainOptions idle;
@@ -108,7 +108,7 @@ TEST_F(Chain, TwoInstancesAreApart) {
 }
 
 // 200 instances with a session, some with the pen: no memory, descriptor or thread is leaked.
-TEST_F(Chain, TwoHundredInstancesLeaveNothing) {
+TEST_F(Chain, TwoHundredInstancesLeakNothing) {
   const MiniLoader loader({OmniLayer()});
   FakeService service;
   const auto cycle = [&](bool with_pen) {
@@ -139,7 +139,7 @@ TEST_F(Chain, TwoHundredInstancesLeaveNothing) {
 }
 
 // The loader closes a layer with the instance: nothing may hold it, and the next opening starts from scratch.
-TEST_F(Chain, LibraryIsUnloaded) {
+TEST_F(Chain, LibraryIsUnloadedWithTheInstance) {
   const std::string library = std::filesystem::path(OmniLayer().library).filename();
   if (Mapped(library)) GTEST_SKIP() << "Debian's loader has left it open: run this test in a process of its own";
   for (int i = 0; i < 5; ++i) {
@@ -154,7 +154,7 @@ TEST_F(Chain, LibraryIsUnloaded) {
 }
 
 // A wrong name in the negotiation and an unknown extension are rejected.
-TEST_F(Chain, NegotiationIsChecked) {
+TEST_F(Chain, RejectsWrongLayerNameAndUnknownExtension) {
   const MiniLoader loader({OmniLayer()});
   const LayerFile misnamed{"XR_APILAYER_another", OmniLayer().library};
   EXPECT_THROW(MiniLoader another({misnamed}), std::runtime_error);
@@ -166,7 +166,7 @@ TEST_F(Chain, NegotiationIsChecked) {
 }
 
 // Calls that a loader would reject reach the layer.
-TEST_F(Chain, NullAndForeignHandles) {
+TEST_F(Chain, NullUnknownAndDestroyedHandlesAreInvalid) {
   const MiniLoader loader({OmniLayer()});
   ChainApp app(loader);
   const auto bogus = reinterpret_cast<XrInstance>(std::uint64_t{0x1234});
@@ -208,9 +208,9 @@ class OtherLayers : public testing::Test {
   }
 };
 
-TEST_F(OtherLayers, DummyInstanceAboveAndBelow) { BothOrders(); }
+TEST_F(OtherLayers, WorksAboveAndBelowLayerWithDummyInstance) { BothOrders(); }
 
-TEST_F(OtherLayers, DummyInstanceThatStays) {
+TEST_F(OtherLayers, WorksWhenOtherLayerKeepsItsDummyInstance) {
   setenv("OMNI_OTHER_LAYER", "keep", 1);
   Run({OtherLayer(), OmniLayer()});
   Run({OmniLayer(), OtherLayer()});

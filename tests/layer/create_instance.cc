@@ -147,7 +147,7 @@ XrResult CreateByMiniLoader(const MiniLoader& loader, const XrInstanceCreateInfo
   return result;
 }
 
-TEST(CreateInstance, MistakesGiveTheLoadersAndRuntimesResult) {
+TEST(CreateInstance, InvalidInfoFailsAsWithoutTheLayer) {
   const int different = ExpectSameResults(
       Mistakes(), [](const XrInstanceCreateInfo& info) { return CreateByLoader(info, false); },
       [](const XrInstanceCreateInfo& info) { return CreateByLoader(info, true); });
@@ -157,7 +157,7 @@ TEST(CreateInstance, MistakesGiveTheLoadersAndRuntimesResult) {
   EXPECT_EQ(CreateByLoader(wrong_type.info, true), XR_ERROR_VALIDATION_FAILURE);
 }
 
-TEST(CreateInstance, MistakesThatALoaderStopsGiveTheRuntimesResult) {
+TEST(CreateInstance, InvalidInfoPastTheLoaderFailsAsWithoutTheLayer) {
   const MiniLoader alone({}), layered({OmniLayer()});
   const auto bare = [&](const XrInstanceCreateInfo& info) { return CreateByMiniLoader(alone, info); };
   const auto with_layer = [&](const XrInstanceCreateInfo& info) { return CreateByMiniLoader(layered, info); };

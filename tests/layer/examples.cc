@@ -95,7 +95,7 @@ TEST(Examples, TouchGetsTheRuntimesControllerWithoutTheLayer) {
   EXPECT_NE(run.out.find(std::string("profile ") + kTouch), std::string::npos) << run.out;
 }
 
-TEST(Examples, WhatIsMissingIsSaidInOneLine) {
+TEST(Examples, MissingRuntimeAndBadOptionsAreReported) {
   const ExampleRun none = RunExample("XR_RUNTIME_JSON=/nowhere.json XR_LOADER_DEBUG=none", "omni_touch", [] {});
   EXPECT_EQ(none.status, 1);
   EXPECT_NE(none.err.find("omni_touch: no OpenXR runtime answers"), std::string::npos) << none.err;
@@ -105,7 +105,7 @@ TEST(Examples, WhatIsMissingIsSaidInOneLine) {
 }
 
 // A runtime without XR_MND_headless: empty frames with Vulkan (lavapipe needs no display).
-TEST(Examples, TouchSubmitsEmptyFramesWhereThereIsNoHeadless) {
+TEST(Examples, TouchSubmitsEmptyFramesWithoutHeadlessExtension) {
   const ExampleRun run = RunExample(std::string(kWithLayer) + " OMNI_TEST_RUNTIME_WITHOUT=XR_MND_headless",
                                     "omni_touch --hand left --seconds 1", [] {});
   for (const char* why : {"built without Vulkan", "could not make a Vulkan device"})

@@ -16,7 +16,7 @@ class Lifecycle : public testing::Test {
   static bool Until(const std::function<bool()>& done) { return Eventually(done); }
 };
 
-TEST_F(Lifecycle, ServiceHearsTheApplicationAndItsSession) {
+TEST_F(Lifecycle, ServiceReceivesApplicationNameAndSessionStates) {
   FakeService service;
   {
     AppOptions options;
@@ -46,7 +46,7 @@ TEST_F(Lifecycle, ServiceHearsTheApplicationAndItsSession) {
   EXPECT_TRUE(Until([&] { return service.heard().gone == 1; })) << "instance destroyed";
 }
 
-TEST_F(Lifecycle, DestroyedSessionIsOver) {
+TEST_F(Lifecycle, DestroyedSessionIsReportedAsEnded) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -56,7 +56,7 @@ TEST_F(Lifecycle, DestroyedSessionIsOver) {
 }
 
 // Every intercepted call updates the heartbeat.
-TEST_F(Lifecycle, CallsAreSignsOfLife) {
+TEST_F(Lifecycle, InterceptedCallsUpdateTheHeartbeat) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -93,7 +93,7 @@ TEST_F(Lifecycle, HapticsReachTheService) {
   EXPECT_TRUE(Until([&] { return service.heard().haptic_stops == 1; }));
 }
 
-TEST_F(Lifecycle, HapticErrorsAndFocus) {
+TEST_F(Lifecycle, HapticsValidateArgumentsAndNeedFocus) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -117,7 +117,7 @@ TEST_F(Lifecycle, HapticErrorsAndFocus) {
 }
 
 // kill -9 of the service and its return, without a restart of the application.
-TEST_F(Lifecycle, ServiceKilledAndRestarted) {
+TEST_F(Lifecycle, ReconnectsToRestartedService) {
   App app;
   for (int life = 0; life < 3; ++life) {
     FakeService service;
@@ -133,7 +133,7 @@ TEST_F(Lifecycle, ServiceKilledAndRestarted) {
 }
 
 // Applications create and destroy instances again and again.
-TEST_F(Lifecycle, FiftyInstances) {
+TEST_F(Lifecycle, FiftyInstancesLeakNoHandlesOrFiles) {
   FakeService service;
   const auto open_files = [] {
     const std::filesystem::directory_iterator files("/proc/self/fd");
@@ -150,7 +150,7 @@ TEST_F(Lifecycle, FiftyInstances) {
   EXPECT_TRUE(last.WaitProfile(service, kTouch));
 }
 
-TEST_F(Lifecycle, LeftHandByEnvironment) {
+TEST_F(Lifecycle, EnvironmentSelectsLeftHand) {
   setenv("OMNI_HAND", "left", 1);
   omni_test_set_device("left", 0, nullptr);
   omni_test_set_device("right", 1, kTouch);
@@ -165,7 +165,7 @@ TEST_F(Lifecycle, LeftHandByEnvironment) {
 }
 
 // Without XR_KHR_convert_timespec_time in the application's list the layer still enables it, and hides it.
-TEST_F(Lifecycle, TimeConversionIsPrivate) {
+TEST_F(Lifecycle, TimeConversionExtensionIsHiddenFromApplication) {
   FakeService service;
   AppOptions options;
   options.timespec_extension = false;

@@ -32,20 +32,20 @@ TEST_F(LayerLog, LinesAreAppended) {
   EXPECT_EQ(Content(file), "before\nomni layer: one\nomni layer: two\n");
 }
 
-TEST_F(LayerLog, WithoutAPlaceNothingIsWritten) {
+TEST_F(LayerLog, EmptyOrZeroPathWritesNothing) {
   for (const char* where : {"", "0"}) layer::Log(where).Line("one");
   EXPECT_NE(::access(file.c_str(), F_OK), 0);
 }
 
 // The name of an application or a runtime must not look like a line of its own.
-TEST_F(LayerLog, TextCannotForgeALine) {
+TEST_F(LayerLog, ControlCharactersCannotForgeALine) {
   layer::Log(file).Line("one\nomni layer: two\x1b[31m\r\x80\xC2\x9B end");
   EXPECT_EQ(Content(file),
             "omni layer: one?omni layer: two?[31m???"
             "? end\n");
 }
 
-TEST_F(LayerLog, NewFileIsForThisUserOnly) {
+TEST_F(LayerLog, NewFileIsPrivateToTheUser) {
   const mode_t before = ::umask(0);
   layer::Log(file).Line("one");
   ::umask(before);
@@ -54,7 +54,7 @@ TEST_F(LayerLog, NewFileIsForThisUserOnly) {
   EXPECT_EQ(info.st_mode & 07777u, 0600u);
 }
 
-TEST_F(LayerLog, LinksAreNotFollowed) {
+TEST_F(LayerLog, SymlinksAreNotFollowed) {
   const std::string target = temp.Write("target", "before\n");
   ASSERT_EQ(::symlink(target.c_str(), file.c_str()), 0);
   layer::Log(file).Line("one");
@@ -62,7 +62,7 @@ TEST_F(LayerLog, LinksAreNotFollowed) {
 }
 
 // It neither waits for a reader nor writes to one.
-TEST_F(LayerLog, FifosAndFoldersAreRefused) {
+TEST_F(LayerLog, FifosAndDirectoriesAreRejected) {
   ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
   layer::Log(file).Line("one");
   const int reader = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);

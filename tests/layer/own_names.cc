@@ -13,7 +13,7 @@ namespace test_own_names {
 namespace fs = std::filesystem;
 
 // Every enumerant of the headers has its name, and the runtime's enumerants those of the runtime.
-TEST(OwnNames, AreThoseOfTheHeaders) {
+TEST(OwnNames, EnumerantNamesMatchTheHeaders) {
   const App app;
   const std::regex defined(R"(#define (XR_\w+)[\s\\]+OMNI_XR_ENUMERANT\((XrResult|XrStructureType), (-?\d+)\))");
   int found = 0;

@@ -31,7 +31,7 @@ nlohmann::json Manifest(const std::string& folder) {
   return nlohmann::json::parse(in);
 }
 
-TEST(Packaging, ExactlyOneExportedSymbol) {
+TEST(Packaging, LibraryExportsOnlyTheNegotiateFunction) {
   const std::string command = "nm -D --defined-only " + kBuild + "/lib/libXrApiLayer_omni.so";
   std::FILE* pipe = popen(command.c_str(), "r");
   ASSERT_TRUE(pipe);
@@ -64,7 +64,7 @@ void ExpectSound(const nlohmann::json& root, const std::filesystem::path& folder
   EXPECT_FALSE(layer.contains("disable_environment"));
 }
 
-TEST(Packaging, TheBuildTreeHasAnExplicitManifestOnly) {
+TEST(Packaging, BuildTreeHasOnlyAnExplicitManifest) {
   const nlohmann::json manifest = Manifest("explicit.d");
   ExpectSound(manifest, {});
   EXPECT_TRUE(std::filesystem::path(manifest["api_layer"]["library_path"].get<std::string>()).is_absolute());
@@ -168,7 +168,7 @@ TEST(Packaging, EmbeddedProfilesLoadInOrderOfPriority) {
   }
 }
 
-TEST(Packaging, BadProfileIsNamed) {
+TEST(Packaging, ProfileErrorNamesFileAndField) {
   std::string good;
   for (const layer::EmbeddedFile& file : layer::EmbeddedProfiles())
     if (std::string(file.name) == "oculus_touch.json") good = file.text;

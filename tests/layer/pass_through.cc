@@ -152,7 +152,7 @@ class Transcript {
 };
 
 // [loader: API Layer Conventions and Rules] the layer must remain compliant, call by call.
-TEST(PassThrough, WithoutServiceEveryResultIsThatOfTheRuntime) {
+TEST(PassThrough, WithoutServiceResultsMatchTheRuntime) {
   const std::string alone = Transcript(false).text();
   const std::string layered = Transcript(true).text();
   EXPECT_GT(std::count(alone.begin(), alone.end(), '\n'), 300);
@@ -165,7 +165,7 @@ TEST(PassThrough, WithoutServiceEveryResultIsThatOfTheRuntime) {
   EXPECT_EQ(alone, layered);
 }
 
-TEST(PassThrough, LeftHandStaysTheRuntimesWhileThePenOwnsTheRight) {
+TEST(PassThrough, RuntimeKeepsLeftHandWhilePenOwnsRight) {
   omni_test_reset();
   FakeService service;
   App app;

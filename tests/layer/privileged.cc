@@ -80,14 +80,14 @@ class Privileged : public testing::Test {
   const std::string program = temp.Path("app");
 };
 
-TEST_F(Privileged, UsualProgramWritesItsUsersLog) {
+TEST_F(Privileged, UnprivilegedProgramWritesLog) {
   const std::string log = temp.Path("log");
   EXPECT_EQ(Run(log, false), "not secure\n");
   EXPECT_NE(Content(log).find("OMNI_HAND=?root::0:0::/:/bin/sh? is neither left nor right"), std::string::npos)
       << Content(log);
 }
 
-TEST_F(Privileged, ProgramWithMoreRightsWritesNothingForItsCaller) {
+TEST_F(Privileged, PrivilegedProgramIgnoresCallersLogPath) {
   if (!GiveMoreRights(program)) GTEST_SKIP() << "this user is in one group only: no set-gid program can be made";
   const std::string file = temp.Write("secret", "before\n");
   ASSERT_EQ(::chmod(file.c_str(), 0600), 0);

@@ -86,7 +86,7 @@ void CallEverything(const ChainApp& app, XrSpace pen, XrSpace local, std::uint32
 
 // [fundamentals-threading-behavior] every function from every thread, while the pen comes and goes and a second
 // application is created and destroyed. Under ThreadSanitizer: no data race.
-TEST_F(Robust, ManyThreadsCallEverything) {
+TEST_F(Robust, ConcurrentCallsFromManyThreadsSucceed) {
   const MiniLoader loader({OmniLayer()});
   FakeService service;
   ChainApp app(loader);
@@ -132,7 +132,7 @@ TEST_F(Robust, ManyThreadsCallEverything) {
 }
 
 // [xrPollEvent] an application that does not poll: the queues are bounded, and the loss is reported.
-TEST_F(Robust, MillionEventsWithoutAPoll) {
+TEST_F(Robust, UnpolledEventsAreBoundedAndLossIsReported) {
   const int events = kSanitized ? 100'000 : 1'000'000;
   const MiniLoader loader({OmniLayer()});
   FakeService service;
@@ -159,7 +159,7 @@ TEST_F(Robust, MillionEventsWithoutAPoll) {
 }
 
 // The same for the queue of the layer's own events.
-TEST_F(Robust, OwnEventsAreBoundedToo) {
+TEST_F(Robust, LayerEventQueueIsBounded) {
   layer::EventQueue queue;
   const XrEventDataInteractionProfileChanged event{XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED, nullptr,
                                                    XR_NULL_HANDLE};
@@ -177,7 +177,7 @@ TEST_F(Robust, OwnEventsAreBoundedToo) {
 }
 
 // The pen stays inactive, nothing breaks, and the first sync activates it.
-TEST_F(Robust, ApplicationThatNeverSyncs) {
+TEST_F(Robust, PenStaysInactiveUntilFirstSync) {
   const MiniLoader loader({OmniLayer()});
   FakeService service;
   ChainApp app(loader);
@@ -197,7 +197,7 @@ TEST_F(Robust, ApplicationThatNeverSyncs) {
 }
 
 // A child that inherits everything may call and exit as it likes; the parent goes on.
-TEST_F(Robust, ForkedChildDoesNoHarm) {
+TEST_F(Robust, ForkedChildDoesNotDisturbParent) {
   if (kSanitized) GTEST_SKIP() << "a fork of a process with threads is not for sanitizers";
   const MiniLoader loader({OmniLayer()});
   FakeService service;

@@ -24,19 +24,23 @@ const std::string kDump = "XR_APILAYER_LUNARG_api_dump";
 
 // Tests that are valid applications of OpenXR 1.0.20, without deliberate errors.
 const std::string kValidApplications =
-    "States.SelectFromTipForceClick:States.PressBetweenSyncsIsOnePressedSync:States.ChangedAndPhysicalChangeTime:"
-    "States.AnalogThresholdHasHysteresis:States.ThumbstickParentPathIsAVector:States.NullPathMergesPenAndRuntime:"
-    "States.RuntimesControllerOfOurHandIsSilentWhileThePenIsThere:States.ActionsWithoutSubactionPathsGetThePen:"
-    "States.UnfocusedSessionGetsNothing:States.HigherPrioritySetTakesTheSource:States.ServiceDiesAndReturns:"
-    "Profiles.TouchIsPreferredToSimple:Profiles.SimpleAlone:Profiles.CurrentOnlyAfterSyncWithOneEvent:"
-    "Profiles.EventWhenThePenComesLater:Profiles.NoEventWhereTheProfileStaysTheSame:"
-    "Spaces.PastIsInterpolatedWithin100um:Spaces.VelocityOfAnOffsetSpaceHasItsLeverArm:Spaces.VelocityInAMovingBase:"
-    "Spaces.PenAsBase:Spaces.PenInPenIsRigid:Spaces.LocatableOnlyWhileItsSetIsActive:Spaces.SpaceOutlivesItsAction:"
-    "Spaces.NullPathSpaceSticksToItsFirstDevice:Lifecycle.ServiceHearsTheApplicationAndItsSession:"
+    "States.PensClickDrivesBooleanTriggerAction:States.PressBetweenSyncsIsOnePressedSync:States."
+    "ChangeReportsPhysicalTimeOfThePress:"
+    "States.AnalogThresholdHasHysteresis:States.ThumbstickParentPathYieldsVector:States.NullPathMergesPenAndRuntime:"
+    "States.PenSuppressesRuntimeControllerOfSameHand:States.ActionsWithoutSubactionPathsReceivePenInput:"
+    "States.StatesAreInactiveWithoutFocus:States.HigherPrioritySetTakesTheSource:States.PenReturnsAfterServiceRestart:"
+    "Profiles.TouchIsPreferredToSimple:Profiles.SimpleBecomesCurrentWhenSuggestedAlone:Profiles."
+    "ProfileChangesOnlyInSyncWithOneEvent:"
+    "Profiles.EventWhenThePenComesLater:Profiles.NoEventWhenProfileStaysTheSame:"
+    "Spaces.PastPosesAreInterpolatedWithin2um:Spaces.VelocityOfOffsetSpaceIncludesLeverArm:Spaces."
+    "VelocityIsRelativeToMovingBase:"
+    "Spaces.LocatingInPenSpaceIsTheInverse:Spaces.TwoPenSpacesAreRigidlyJoined:Spaces.LocatableOnlyWhileItsSetIsActive:"
+    "Spaces.SpaceOutlivesItsAction:"
+    "Spaces.NullPathSpaceSticksToItsFirstDevice:Lifecycle.ServiceReceivesApplicationNameAndSessionStates:"
     "Lifecycle.HapticsReachTheService:StatesRules.EqualPrioritySetsShareTheSource";
 const int kValidCount = 27;
 // One of an extension that only we know.
-const std::string kOwnExtension = "Profiles.BestSuggestedProfileIsTaken";
+const std::string kOwnExtension = "Profiles.BestSuggestedProfileBecomesCurrent";
 
 enum class Place { kAbove, kBelow };
 
@@ -123,7 +127,7 @@ TEST_F(Stack, OwnExtensionsAreStrippedBelow) {
 }
 
 // The tests above can fail: a planted error is found in either place.
-TEST_F(Stack, PlantedErrorIsFound) {
+TEST_F(Stack, CoreValidationFindsPlantedError) {
   OMNI_NEEDS(kValidation, "openxr-layer-corevalidation");
   for (const Place place : {Place::kAbove, Place::kBelow}) {
     const Ran ran = Run(kValidation, place, "StackChild.DISABLED_PlantsAnError");
@@ -132,7 +136,7 @@ TEST_F(Stack, PlantedErrorIsFound) {
   }
 }
 
-TEST_F(Stack, ApiDumpAboveAndBelow) {
+TEST_F(Stack, WorksAboveAndBelowApiDump) {
   OMNI_NEEDS(kDump, "openxr-layer-apidump");
   const Ran above = Run(kDump, Place::kAbove, kValidApplications + ":" + kOwnExtension);
   EXPECT_EQ(above.status, 0) << above.output;

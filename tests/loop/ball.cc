@@ -63,7 +63,7 @@ base::Vec3 CentreOf(const haptics::State& state) {
 }
 
 // On the rim itself the ball has to roll most; far inside, the tip comes near to faces that it did not come through.
-TEST(LoopBall, LedAroundEdgesTheTipIsNeverPushedDeeper) {
+TEST(LoopBall, TipLedAroundEdgesIsNeverPushedDeeper) {
   const haptics::Scene cube = CubeForABall();
   for (const auto& [inset_m, down_m] : {std::pair{0.0, 0.001}, {0.001, 0.005}}) {
     const std::uint64_t seed = inset_m > 0 ? 5 : 1;

@@ -22,7 +22,7 @@ InputTracker WithDetent(bool on) {
   return tracker;
 }
 
-TEST(Detent, GivesWayOnceAndComesBackOnce) {
+TEST(Detent, PulsesOnceOnPressAndOnceOnRelease) {
   const base::InputMapping mapping = base::DefaultMapping();
   DetentState state;
   double least_N = 0, most_N = 0, sum_Ns = 0;
@@ -46,7 +46,7 @@ TEST(Detent, GivesWayOnceAndComesBackOnce) {
   EXPECT_LT(sum_Ns, 0);
 }
 
-TEST(Detent, NothingIsFeltWhereNobodyHearsIt) {
+TEST(Detent, NoPulseWithoutListenerOrAmplitude) {
   base::InputMapping mapping = base::DefaultMapping();
   mapping.at(base::InputComponent::kSqueeze) = {};
   DetentState state;

@@ -54,7 +54,7 @@ struct PushScenario {
   std::int64_t now_ns = 0;
 };
 
-TEST(LoopForce, AForceReachesTheWrenchAndTheCoilsAndEnds) {
+TEST(LoopForce, AppliedForceReachesTheCoilsAndEnds) {
   PushScenario push(1.5);
   push.Run(600);  // found, gate open
   ASSERT_EQ(push.story.current_A(), 0);
@@ -72,7 +72,7 @@ TEST(LoopForce, AForceReachesTheWrenchAndTheCoilsAndEnds) {
   EXPECT_LE(ms, 25) << "after the deadman's end";
 }
 
-TEST(LoopForce, ATooLargeForceKeepsItsDirection) {
+TEST(LoopForce, ExcessiveForceIsScaledAlongItsDirection) {
   PushScenario push(1.5);
   push.Run(600);
   push.Push({30, 0, 40}, 80);
@@ -85,7 +85,7 @@ TEST(LoopForce, ATooLargeForceKeepsItsDirection) {
   EXPECT_NEAR(f.z / push.story.force_N(), 0.8, 1e-6);
 }
 
-TEST(LoopForce, StuckControlThreadEndsIt) {
+TEST(LoopForce, StuckControlThreadEndsTheForce) {
   PushScenario push(1.5);
   push.Run(600);
   push.Set(
@@ -105,7 +105,7 @@ TEST(LoopForce, StuckControlThreadEndsIt) {
   EXPECT_LE(ms, 55);
 }
 
-TEST(LoopForce, DeviceFaultEndsIt) {
+TEST(LoopForce, DeviceFaultEndsTheForce) {
   PushScenario push(1.5);
   push.Run(600);
   push.Push({0.5, 0, 0}, 100);
@@ -124,7 +124,7 @@ TEST(LoopForce, DeviceFaultEndsIt) {
 }
 
 // The twin's hand holds the pen by a spring: a constraint pulls it towards its point, and it does not oscillate there.
-TEST(LoopForce, AConstraintDrawsTheHandAndStaysCalm) {
+TEST(LoopForce, ConstraintPullsTheHandWithoutOscillation) {
   PushScenario push(4.0);
   push.Run(800);
   const base::Vec3 rest = push.story.output.tool.device_point_base_m;
@@ -146,7 +146,7 @@ TEST(LoopForce, AConstraintDrawsTheHandAndStaysCalm) {
   EXPECT_EQ(push.story.output.applied.energy_gain, 1);
 }
 
-TEST(LoopForce, NothingAskedNothingDone) {
+TEST(LoopForce, NoCurrentWithoutAForceRequest) {
   PushScenario push(1.0);
   push.applied.open = true;
   for (int i = 0; i < 900; ++i) {

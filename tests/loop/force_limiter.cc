@@ -23,27 +23,27 @@ base::ForceLimit Limit(double trust = 1, double growth_s = kTick_s) {
   return limit;
 }
 
-TEST(ForceLimiter, ZeroIsZeroInThatTick) {
+TEST(ForceLimiter, ZeroIsAppliedAtOnce) {
   ForceLimiterState state{{0, 0, 2}};
   EXPECT_EQ(LimitForce(Limit(), {}, state), base::Vec3{});
   EXPECT_EQ(state.last_N, base::Vec3{});
 }
 
-TEST(ForceLimiter, FallsFreelyAndGrowsSlowly) {
+TEST(ForceLimiter, FallsFreelyButRisesAtALimitedRate) {
   ForceLimiterState state{{0, 0, 2}};
   EXPECT_EQ(LimitForce(Limit(), {0, 0, 0.3}, state), (base::Vec3{0, 0, 0.3}));
   EXPECT_NEAR(LimitForce(Limit(), {0, 0, 2}, state).z, 0.3 + kRise_N, 1e-12);
   EXPECT_NEAR(LimitForce(Limit(), {0, 0, 2}, state).z, 2, 1e-12);
 }
 
-TEST(ForceLimiter, WhatIsWithinReachIsNotTouched) {
+TEST(ForceLimiter, ForceWithinLimitsIsUnchanged) {
   ForceLimiterState state{{0.5, 0, 1}};
   const base::Vec3 wanted{0.7, -0.2, 1.3};
   EXPECT_EQ(LimitForce(Limit(), wanted, state), wanted) << "bit by bit";
 }
 
 // A limit on the magnitude alone would miss this: a turning force leaves the segment to zero sideways.
-TEST(ForceLimiter, AForceThatTurnsIsLimitedToo) {
+TEST(ForceLimiter, LimitsTheRiseOfATurningForce) {
   ForceLimiterState state{{1.5, 0, 0}};
   base::Vec3 f = LimitForce(Limit(), {0, 1.5, 0}, state);
   EXPECT_NEAR(f.x, 0, 1e-12);
@@ -53,7 +53,7 @@ TEST(ForceLimiter, AForceThatTurnsIsLimitedToo) {
   EXPECT_NEAR(f.x, -kRise_N, 1e-12);
 }
 
-TEST(ForceLimiter, WhatIsNoNumberIsZero) {
+TEST(ForceLimiter, NonFiniteForceBecomesZero) {
   for (const double odd : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                            -std::numeric_limits<double>::infinity(), 1e300}) {
     ForceLimiterState state{{0, 0, 1}};
@@ -83,7 +83,7 @@ TEST(ForceLimiter, TrustScalesSizeAndRise) {
   EXPECT_NEAR(Limit(7).force_max_N, test::UsualLimit().force_max_N, 1e-12);
 }
 
-TEST(ForceLimiter, AHoleAllowsNoMoreThanATick) {
+TEST(ForceLimiter, RiseAfterLostScansIsThatOfOneTick) {
   EXPECT_NEAR(Limit(1, 5e-3).force_rise_N, kRise_N, 1e-12);
   EXPECT_NEAR(Limit(1, 0.4e-3).force_rise_N, 0.4 * kRise_N, 1e-12);
   for (const double none : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
@@ -92,7 +92,7 @@ TEST(ForceLimiter, AHoleAllowsNoMoreThanATick) {
 }
 
 // Any requests in any order: within the limit, and no further than the rise from the segment to zero.
-TEST(ForceLimiter, HoldsOverRandomRequests) {
+TEST(ForceLimiter, RandomRequestsStayWithinForceAndRiseLimits) {
   sim::Random random(5);
   ForceLimiterState state;
   for (int i = 0; i < 200'000; ++i) {

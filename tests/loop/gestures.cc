@@ -102,7 +102,7 @@ class Hand {
   std::array<int, base::kSourceCount> times_{};
 };
 
-TEST(Gestures, EveryTapIsFoundAndIsOne) {
+TEST(Gestures, EachTapIsDetectedOnce) {
   int taps = 0, found = 0, doubled = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Hand hand(seed);
@@ -122,7 +122,7 @@ TEST(Gestures, EveryTapIsFoundAndIsOne) {
   EXPECT_EQ(doubled, 0);
 }
 
-TEST(Gestures, EveryDoubleTapIsFoundAndIsOne) {
+TEST(Gestures, EachDoubleTapIsDetectedOnce) {
   int pairs = 0, found = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Hand hand(1000 + seed);
@@ -143,7 +143,7 @@ TEST(Gestures, EveryDoubleTapIsFoundAndIsOne) {
   std::printf("double taps at 100 to 400 mm/s: %d of %d found\n", found, pairs);
 }
 
-TEST(Gestures, HoveringAtASurfaceIsNoTap) {
+TEST(Gestures, HoveringIsNoTap) {
   double seconds = 0;
   int taps = 0, touches = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
@@ -187,7 +187,7 @@ TEST(Gestures, TracingIsNoTap) {
 
 double MinimumJerk(double s) { return s * s * s * (10 - 15 * s + 6 * s * s); }
 
-TEST(Gestures, FlicksAreFoundAndReachingIsNone) {
+TEST(Gestures, DetectsFlicksButNotReaching) {
   int flicks = 0, found = 0, axial = 0, axial_found = 0, reaches = 0, false_ones = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Hand hand(4000 + seed);
@@ -244,7 +244,7 @@ TEST(Gestures, DwellStartsWhenStillAndEndsWithMoving) {
   }
 }
 
-TEST(Gestures, DetentNeedsTheForceAndItsHysteresis) {
+TEST(Gestures, DetentHasForceThresholdAndHysteresis) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Hand hand(7000 + seed);
     const double deep_m = 1.2 / hand.stiffness_N_m(), at_threshold_m = 0.82 / hand.stiffness_N_m();
@@ -258,7 +258,7 @@ TEST(Gestures, DetentNeedsTheForceAndItsHysteresis) {
 }
 
 // The pen is put down, picked up, and taken away.
-TEST(Gestures, AwayIsStillOrUnseenOrFar) {
+TEST(Gestures, AwayWhenStillUntrackedOrFar) {
   InputTracker tracker;
   const base::InputMapping mapping = base::DefaultMapping();
   std::mt19937_64 random(11);
@@ -286,7 +286,7 @@ TEST(Gestures, AwayIsStillOrUnseenOrFar) {
 }
 
 // No sequence of stamps, places and forces makes a click longer than it may be, or a value out of range.
-TEST(Gestures, NonsenseStaysNonsense) {
+TEST(Gestures, InvalidInputsKeepComponentsInRange) {
   std::mt19937_64 random(12);
   const auto odd = [&]() {
     const double choices[] = {0, 1, -1, 1e300, -1e300, std::nan(""), INFINITY, 0.05, 1e-9};

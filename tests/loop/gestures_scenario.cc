@@ -47,7 +47,7 @@ sim::HandScript Above() {
   return script;
 }
 
-TEST(GestureScenario, TapsOnATable) {
+TEST(GestureScenario, DetectsEveryTapOnATable) {
   std::mt19937_64 random(20264);
   const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<>(low, high)(random); };
   int taps = 0, found = 0, presses = 0;
@@ -71,7 +71,7 @@ TEST(GestureScenario, TapsOnATable) {
   std::printf("twin: %d of %d taps found, %d presses\n", found, taps, presses);
 }
 
-TEST(GestureScenario, HoveringAndTracingTapNothing) {
+TEST(GestureScenario, HoveringAndTracingCauseNoTaps) {
   int taps = 0, flicks = 0;
   double seconds = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -95,7 +95,7 @@ TEST(GestureScenario, HoveringAndTracingTapNothing) {
   std::printf("twin: %d taps, %d flicks in %.1f s of hovering and tracing\n", taps, flicks, seconds);
 }
 
-TEST(GestureScenario, PressingHardClicksOnceAndIsFelt) {
+TEST(GestureScenario, PressingHardClicksOnceAndRendersTheDetent) {
   sim::HandScript script = Above();
   script.waypoints.push_back({.duration_s = 0.6, .tip_base_m = {0, 0, kTableTop_m - 0.012}});
   script.waypoints.push_back({.duration_s = 0.8, .tip_base_m = {0, 0, kTableTop_m - 0.012}});

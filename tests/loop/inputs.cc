@@ -53,7 +53,7 @@ TEST(Inputs, EveryPressIsCounted) {
   EXPECT_EQ(Get(tracker, InputComponent::kSelect).release_count, 7U);
 }
 
-TEST(Inputs, NotLiveGoesToRest) {
+TEST(Inputs, ComponentsRestWhenNotLive) {
   const InputConfig config{.force_filter_s = 0};
   InputTracker tracker;
   haptics::Output output = Pressing(1);
@@ -66,7 +66,7 @@ TEST(Inputs, NotLiveGoesToRest) {
   EXPECT_EQ(Get(tracker, InputComponent::kSelect).release_count, 1U);
 }
 
-TEST(Inputs, NoiseDoesNotClick) {
+TEST(Inputs, ForceSpikesDoNotSelect) {
   const InputConfig config;
   InputTracker tracker;
   for (int ms = 0; ms < 1000; ++ms) {  // 0.1 N with spikes of 0.3 N, 1 ms long
@@ -77,7 +77,7 @@ TEST(Inputs, NoiseDoesNotClick) {
   EXPECT_EQ(Get(tracker, InputComponent::kSelect).press_count, 1U);
 }
 
-TEST(Inputs, NoJoystickNoThumbstick) {
+TEST(Inputs, ThumbstickIsZeroWithoutJoystick) {
   InputTracker tracker;
   haptics::Output output;
   output.thumbstick_y = 1;
@@ -85,7 +85,7 @@ TEST(Inputs, NoJoystickNoThumbstick) {
   EXPECT_EQ(Get(tracker, InputComponent::kThumbstickY).value, 0);
 }
 
-TEST(Inputs, TinyChangesAreNotChanges) {
+TEST(Inputs, ChangesBelowResolutionAreIgnored) {
   InputTracker tracker;
   Update({.force_filter_s = 0}, Pressing(0.5), true, 1, tracker);
   Update({.force_filter_s = 0}, Pressing(0.5005), true, 2, tracker);
@@ -94,7 +94,7 @@ TEST(Inputs, TinyChangesAreNotChanges) {
   EXPECT_EQ(Get(tracker, InputComponent::kTipForce).t_change_ns, 3);
 }
 
-TEST(Inputs, NotFiniteReadsAsRest) {
+TEST(Inputs, NonFiniteForceReadsAsZero) {
   InputTracker tracker;
   Update({.force_filter_s = 0}, Pressing(std::numeric_limits<double>::quiet_NaN()), true, 1, tracker);
   EXPECT_EQ(Get(tracker, InputComponent::kTipForce).value, 0);
@@ -128,7 +128,7 @@ class Keys : public testing::Test {
   InputTracker tracker_;
 };
 
-TEST_F(Keys, PressAndReleaseBearTheirOwnTimes) {
+TEST_F(Keys, PressAndReleaseKeepTheirOwnTimes) {
   const base::InputMapping mapping = KeyMapping(3, InputComponent::kSecondary);
   EXPECT_EQ(Tick(mapping, 1'000'000).value, 0);
   Press(1'200'345, 3);
@@ -142,7 +142,7 @@ TEST_F(Keys, PressAndReleaseBearTheirOwnTimes) {
 }
 
 // What a keyboard does between two ticks is neither lost nor doubled, whatever the interleaving.
-TEST_F(Keys, EveryPressBetweenTicksCounts) {
+TEST_F(Keys, CountsEveryPressBetweenTicks) {
   const base::InputMapping mapping = KeyMapping(0, InputComponent::kSecondary);
   std::mt19937 random(20263);
   std::uint32_t pressed = 0;
@@ -164,7 +164,7 @@ TEST_F(Keys, EveryPressBetweenTicksCounts) {
   EXPECT_GT(pressed, 500U);
 }
 
-TEST_F(Keys, WhatIsTypedForOthersIsNotHeard) {
+TEST_F(Keys, IgnoresKeysWithoutAnOwner) {
   const base::InputMapping mapping = KeyMapping(0, InputComponent::kSecondary);
   Press(10);
   EXPECT_EQ(Tick(mapping, 1'000'000, false).value, 0) << "no application owns the force";
@@ -189,7 +189,7 @@ TEST_F(Keys, AnAxisHasKeysOfBothSigns) {
   EXPECT_EQ(Tick(mapping, 4'000'000, true, InputComponent::kThumbstickX).value, 1);
 }
 
-TEST_F(Keys, SourcesOfOneComponentAreOneButton) {
+TEST_F(Keys, SourcesOfOneComponentActAsOneButton) {
   base::InputMapping mapping;
   mapping.at(InputComponent::kSecondary).plus = base::KeyBit(0) | base::KeyBit(1);
   Tick(mapping, 1'000'000);
@@ -205,7 +205,7 @@ TEST_F(Keys, SourcesOfOneComponentAreOneButton) {
   EXPECT_EQ(Get(tracker_, InputComponent::kSecondary).t_change_ns, 8);
 }
 
-TEST(Inputs, AnotherMappingFeedsOtherComponents) {
+TEST(Inputs, FollowsTheInputMapping) {
   base::InputMapping mapping;
   mapping.at(InputComponent::kMenu).plus = Bit(base::InputSource::kPress);
   mapping.thresholds.press_N = 0.5;

@@ -167,7 +167,7 @@ class HostileRun {
   Worst worst_;
 };
 
-TEST(LoopLimits, HoldForTheForceThatIsReallyMade) {
+TEST(LoopLimits, TrueForceStaysWithinForceAndRiseLimits) {
   loop::FlushDenormals();
   Worst worst;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {

@@ -13,7 +13,7 @@
 namespace omni::test {
 namespace test_loop_no_allocation {
 
-TEST(Quiet, TheProbeSeesEveryKindOfHeapCall) {
+TEST(Quiet, AllocProbeCountsEveryKindOfHeapCall) {
   const loop::AllocProbe probe;
   std::uint64_t seen = 0;
   const auto grew = [&] {
@@ -42,7 +42,7 @@ TEST(Quiet, TheProbeSeesEveryKindOfHeapCall) {
   EXPECT_TRUE(grew());
 }
 
-TEST(Quiet, ATickNeverTouchesTheHeap) {
+TEST(Quiet, TickNeverAllocates) {
   const haptics::Scene table = TableScene(kTableTop_m);
   const haptics::Scene other = TableScene(kTableTop_m - 0.001);
   sim::HandScript script = PressAndSlide();

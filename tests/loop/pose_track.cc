@@ -27,7 +27,7 @@ PoseSample Truth(double t_s) {
   return sample;
 }
 
-TEST(PoseTrack, FollowsAMotionThatIsToldNinetyTimesASecond) {
+TEST(PoseTrack, FollowsA90HzPoseStreamWithin20Micrometres) {
   PoseTrack track;
   std::uint64_t number = 0;
   double error_m = 0, error_rad = 0, velocity_m_s = 0;
@@ -55,7 +55,7 @@ TEST(PoseTrack, FollowsAMotionThatIsToldNinetyTimesASecond) {
 }
 
 // Any samples at any time: no step of position in a tick but a leap, and none faster than the bound allows.
-TEST(PoseTrack, RandomSamplesGiveAContinuousBoundedPath) {
+TEST(PoseTrack, RandomSamplesGiveAContinuousSpeedLimitedPath) {
   std::mt19937_64 random(77);
   const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
   for (int trial = 0; trial < 60; ++trial) {
@@ -91,7 +91,7 @@ TEST(PoseTrack, RandomSamplesGiveAContinuousBoundedPath) {
   }
 }
 
-TEST(PoseTrack, WhatIsNotRenewedComesToRest) {
+TEST(PoseTrack, ComesToRestWithoutNewSamples) {
   PoseTrack track;
   PoseSample sample;
   sample.number = 1;
@@ -106,7 +106,7 @@ TEST(PoseTrack, WhatIsNotRenewedComesToRest) {
   EXPECT_EQ(later.velocity_m_s, base::Vec3{});
 }
 
-TEST(PoseTrack, FarOrFlaggedIsAnotherPlace) {
+TEST(PoseTrack, LeapsWhenFarOrFlagged) {
   PoseTrack track;
   PoseSample sample;
   sample.number = 1;
@@ -125,7 +125,7 @@ TEST(PoseTrack, FarOrFlaggedIsAnotherPlace) {
   EXPECT_EQ(PoseAt(track, 40 * kMs).position_m, sample.position_m);
 }
 
-TEST(PoseTrack, SamplesThatAreNoneAreIgnored) {
+TEST(PoseTrack, IgnoresInvalidSamples) {
   const double nan = std::nan("");
   PoseTrack track;
   PoseSample good;

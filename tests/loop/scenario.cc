@@ -13,7 +13,7 @@ namespace test_loop_scenario {
 
 constexpr double kSlewTolerance = 1.05;
 
-TEST(LoopScenario, ThePenIsFoundTouchesAndIsPushedBack) {
+TEST(LoopScenario, PenIsTrackedAndPushedBackByATable) {
   const haptics::Scene table = TableScene(kTableTop_m);
   Scenario story(PressAndSlide(), 4.0);
   int contact = 0;
@@ -40,7 +40,7 @@ TEST(LoopScenario, ThePenIsFoundTouchesAndIsPushedBack) {
 }
 
 // A hand holds the pen still, first above the table and then on it. Only in the air may it be classified as at rest.
-TEST(LoopScenario, APenThatIsPushedIsNotTakenForOneAtRest) {
+TEST(LoopScenario, PenInContactIsNotClassifiedAsAtRest) {
   const haptics::Scene table = TableScene(kTableTop_m);
   Scenario story(PressAndSlide(), 2.3);
   const auto at_rest = [&] { return story.state.tracker.filter.motions.likely[tracker::kAtRest]; };
@@ -54,7 +54,7 @@ TEST(LoopScenario, APenThatIsPushedIsNotTakenForOneAtRest) {
   EXPECT_LT(in_touch, 1e-3);
 }
 
-TEST(LoopScenario, NoOwnerNoCurrent) {
+TEST(LoopScenario, NoCurrentWithoutAnOwner) {
   const haptics::Scene table = TableScene(kTableTop_m);
   Scenario story(PressAndSlide(), 2.5);
   const auto closed = [](const base::HallScan& scan) {
@@ -65,7 +65,7 @@ TEST(LoopScenario, NoOwnerNoCurrent) {
   while (story.Step(table, closed)) ASSERT_EQ(story.current_A(), 0);
 }
 
-TEST(LoopScenario, NoSceneNoCurrent) {
+TEST(LoopScenario, NoCurrentWithoutAScene) {
   const haptics::Scene nothing;
   Scenario story(PressAndSlide(), 2.5);
   while (story.Step(nothing)) ASSERT_EQ(story.current_A(), 0);
@@ -85,7 +85,7 @@ double MillisecondsToZero(const std::function<loop::Commands(const base::HallSca
   return -3;
 }
 
-TEST(LoopScenario, OwnerGoneMeansZeroWithin20Milliseconds) {
+TEST(LoopScenario, ForceIsZeroWithin20MillisecondsOfOwnerLoss) {
   const double ms = MillisecondsToZero([](const base::HallScan& scan) {
     return loop::Commands{.t_ns = scan.t_ns, .gate = loop::ForceGate::kClosed, .scene_generation = 1};
   });
@@ -93,7 +93,7 @@ TEST(LoopScenario, OwnerGoneMeansZeroWithin20Milliseconds) {
   EXPECT_LE(ms, 20);
 }
 
-TEST(LoopScenario, SilentOwnerFadesOver100Milliseconds) {
+TEST(LoopScenario, ForceOfSilentOwnerFadesOver100Milliseconds) {
   const double ms = MillisecondsToZero([](const base::HallScan& scan) {
     loop::Commands commands = Scenario::Open(scan);
     commands.gate = loop::ForceGate::kSilent;
@@ -103,7 +103,7 @@ TEST(LoopScenario, SilentOwnerFadesOver100Milliseconds) {
   EXPECT_LE(ms, 110);
 }
 
-TEST(LoopScenario, StuckControlThreadFades) {
+TEST(LoopScenario, ForceFadesIfTheControlThreadIsStuck) {
   std::int64_t written_ns = 0;
   const double ms = MillisecondsToZero([&](const base::HallScan& scan) {
     if (written_ns == 0) written_ns = scan.t_ns;
@@ -115,7 +115,7 @@ TEST(LoopScenario, StuckControlThreadFades) {
   EXPECT_LE(ms, 220);
 }
 
-TEST(LoopScenario, DeviceFaultMeansZero) {
+TEST(LoopScenario, DeviceFaultZeroesTheCurrent) {
   const haptics::Scene table = TableScene(kTableTop_m);
   Scenario story(PressAndSlide(), 2.3);
   while (story.state.tick < 1900 && story.Step(table)) {
@@ -162,7 +162,7 @@ TEST(LoopScenario, SceneSwapRampsThroughZero) {
   EXPECT_GT(story.force_N(), 0.05);  // the second table is rendered
 }
 
-TEST(LoopScenario, PenTakenAwayMeansZeroAndItComesBack) {
+TEST(LoopScenario, AbsentPenGetsNoForceAndIsTrackedAgain) {
   sim::HandScript script = PressAndSlide();
   script.waypoints.insert(script.waypoints.begin() + 4,
                           {.duration_s = 0.5, .tip_base_m = {0, 0, kTableTop_m + 0.01}, .present = false});
@@ -182,7 +182,7 @@ TEST(LoopScenario, PenTakenAwayMeansZeroAndItComesBack) {
   EXPECT_GT(tracked_after, 500);
 }
 
-TEST(LoopScenario, HapticWaveformIsFeltCountedOnceAndEnds) {
+TEST(LoopScenario, HapticWaveformIsRenderedCountedOnceAndEnds) {
   const haptics::Scene nothing;
   Scenario story(PressAndSlide(), 1.0);
   int felt = 0;
@@ -200,7 +200,7 @@ TEST(LoopScenario, HapticWaveformIsFeltCountedOnceAndEnds) {
   EXPECT_EQ(story.current_A(), 0);
 }
 
-TEST(LoopScenario, GarbageScansNeverReachTheCoils) {
+TEST(LoopScenario, GarbageScansKeepCurrentsFiniteAndBounded) {
   const haptics::Scene table = TableScene(kTableTop_m);
   Scenario story(PressAndSlide(), 3.0);
   std::uint64_t random = 88172645463325252ULL;

@@ -27,7 +27,7 @@ std::unique_ptr<haptics::State> Recalled(const SceneMemory& memory, std::uint64_
   return state;
 }
 
-TEST(SceneMemory, FacesStayWhereTheyWerePutAndHeldOnesAreLetGo) {
+TEST(SceneMemory, FacesKeepTheirOffsetAndHeldOnesAreReleased) {
   const auto memory = std::make_unique<SceneMemory>();
   memory->Keep(1, *Formed(0.008, haptics::ExtrudePhase::kFree));
   memory->Keep(2, *Formed(0.007, haptics::ExtrudePhase::kHeld));
@@ -44,7 +44,7 @@ TEST(SceneMemory, FacesStayWhereTheyWerePutAndHeldOnesAreLetGo) {
   EXPECT_EQ(Recalled(*memory, 1)->regions[2].offset_m, 0);
 }
 
-TEST(SceneMemory, TheCarWaitsWithItsLap) {
+TEST(SceneMemory, CarStopsAndKeepsItsLap) {
   const auto memory = std::make_unique<SceneMemory>();
   auto state = std::make_unique<haptics::State>();
   state->vehicle.started = true;
@@ -68,7 +68,7 @@ TEST(SceneMemory, TheCarWaitsWithItsLap) {
   EXPECT_EQ(car.lap.time_s, 4.5);
 }
 
-TEST(SceneMemory, TheOneThatWasLeftFirstIsForgotten) {
+TEST(SceneMemory, ForgetsTheSceneThatWasLeftFirst) {
   const auto memory = std::make_unique<SceneMemory>();
   for (std::uint64_t build = 1; build <= kRememberedScenes; ++build) {
     memory->Keep(build, *Formed(1e-3 * static_cast<double>(build), haptics::ExtrudePhase::kFree));
@@ -81,7 +81,7 @@ TEST(SceneMemory, TheOneThatWasLeftFirstIsForgotten) {
   EXPECT_EQ(Recalled(*memory, 50)->regions[3].offset_m, 0.005);
 }
 
-TEST(SceneMemory, WhatHasNoNumberIsNotKeptAndNothingIsTakenFromTheHeap) {
+TEST(SceneMemory, IgnoresBuildZeroAndNeverAllocates) {
   const auto memory = std::make_unique<SceneMemory>();
   const auto formed = Formed(0.004, haptics::ExtrudePhase::kFree);
   const auto state = std::make_unique<haptics::State>();

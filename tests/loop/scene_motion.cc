@@ -32,7 +32,7 @@ PoseSample Sample(haptics::Random& random, std::int64_t t_ns, std::uint64_t numb
 }
 
 // Given for the scene's origin, followed about the body's middle: at the sample's time every point is in its place.
-TEST(SceneMotion, ArrivesWhereItWasSaid) {
+TEST(SceneMotion, ReachesTheSampledPoseAtItsTime) {
   const haptics::Scene scene = TwoBlocks();
   haptics::Random random(91);
   for (int trial = 0; trial < 50; ++trial) {
@@ -66,7 +66,7 @@ TEST(SceneMotion, ArrivesWhereItWasSaid) {
 }
 
 // Poses that are set before the scene is active are where it starts.
-TEST(SceneMotion, ASceneThatIsEnteredStartsWhereItIs) {
+TEST(SceneMotion, EnteredSceneStartsAtItsSampledPose) {
   const haptics::Scene scene = TwoBlocks();
   haptics::Random random(92);
   SceneControl control{.generation = 1};
@@ -82,7 +82,7 @@ TEST(SceneMotion, ASceneThatIsEnteredStartsWhereItIs) {
   EXPECT_FALSE(now.objects[0].leaps) << "from now on it moves";
 }
 
-TEST(SceneMotion, NonsenseIsLeftOutAndNothingIsTakenFromTheHeap) {
+TEST(SceneMotion, IgnoresInvalidSamplesWithoutAllocating) {
   const haptics::Scene scene = TwoBlocks();
   haptics::Random random(93);
   SceneControl control{.generation = 1};

@@ -14,7 +14,7 @@
 namespace omni::test {
 namespace test_loop_surfaces {
 
-TEST(SurfaceSnapshots, AreFilledWithoutTheHeap) {
+TEST(SurfaceSnapshots, FillingDoesNotAllocate) {
   const auto state = std::make_unique<loop::LoopState>();
   const auto latest = std::make_unique<base::Latest<loop::SurfaceSnapshot>>();
   state->scene_generation = 3;
@@ -36,7 +36,7 @@ TEST(SurfaceSnapshots, AreFilledWithoutTheHeap) {
   EXPECT_EQ(read.moved[0].translation_m.z, 0.1);
 }
 
-TEST(SurfaceSnapshots, AreDueEveryEightMillisecondsAndWhenTimeGoesBack) {
+TEST(SurfaceSnapshots, DueEvery8MillisecondsAndWhenTimeGoesBack) {
   EXPECT_FALSE(loop::SnapshotIsDue(7'999'999, 0));
   EXPECT_TRUE(loop::SnapshotIsDue(8'000'000, 0));
   EXPECT_TRUE(loop::SnapshotIsDue(-1, 0));
@@ -68,7 +68,7 @@ struct DeafSink : loop::TickSink {
   void Publish(const loop::TickOutput& /*output*/) noexcept override {}
 };
 
-TEST(SurfaceSnapshots, AreWrittenOnlyWhileSomebodyReads) {
+TEST(SurfaceSnapshots, WrittenOnlyWhileRequested) {
   SteppedSource source;
   DeafSink sink;
   loop::TickThread loop(loop::MakeTickConfig(config::DefaultDevice()), {.realtime = false, .idle_divider = 1}, source,

@@ -88,7 +88,7 @@ Pushed PushTolerancedBases(double share, int bases) {
   return pushed;
 }
 
-TEST(LoopUncalibrated, TheTrueForceStaysWithinWhatTheDeviceMayDo) {
+TEST(LoopUncalibrated, TrueForceStaysWithinTheDeviceLimit) {
   loop::FlushDenormals();
   int driven = 0;
   for (const double share : {0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 1.0}) {

@@ -29,7 +29,7 @@ HapticWaveform Envelope(double duration_s) {
 }
 HapticWaveform Pcm(std::uint64_t id = 1) { return {.id = id, .active = true, .kind = VibrationKind::kPcm}; }
 
-TEST(MeanBetween, IsTheIntegralOfTheStaircase) {
+TEST(MeanBetween, MatchesTheMeanOfTheSampleStaircase) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(0, 1);
   for (int round = 0; round < 200; ++round) {
@@ -53,7 +53,7 @@ TEST(MeanBetween, IsTheIntegralOfTheStaircase) {
   EXPECT_EQ(MeanBetween(nonsense, std::nan(""), 1), 0);
 }
 
-TEST(Vibration, PcmAtTheRateOfTheTickIsPlayedAsItIs) {
+TEST(Vibration, PcmAtTickRateIsPlayedUnchanged) {
   const VibrationConfig config;
   std::mt19937 random(8);
   std::vector<float> values(4000);
@@ -68,7 +68,7 @@ TEST(Vibration, PcmAtTheRateOfTheTickIsPlayedAsItIs) {
   EXPECT_EQ(VibrationForce_N(config, Pcm(), samples.get(), kTick_s, state), 0) << "and then silence";
 }
 
-TEST(Vibration, PcmGoesOnWithWhatIsAppendedAndWaitsForIt) {
+TEST(Vibration, PcmContinuesWithAppendedSamplesAndWaitsForThem) {
   const VibrationConfig config{.force_N = 1};
   VibrationState state;
   auto samples = Samples(1, {0.5F, 0.25F});
@@ -116,7 +116,7 @@ TEST(Vibration, TheForceFollowsTheEnvelope) {
   }
 }
 
-TEST(Vibration, ShortestEnvelopeAndNoneAtAll) {
+TEST(Vibration, ShortestEnvelopeLasts20MillisecondsAndZeroPlaysNothing) {
   const VibrationConfig config;
   const auto samples = Samples(1, {1.0F});
   VibrationState state;
@@ -130,7 +130,7 @@ TEST(Vibration, ShortestEnvelopeAndNoneAtAll) {
 }
 
 // For any samples and requests: a force within +- force_N.
-TEST(Vibration, NeverOverItsForce) {
+TEST(Vibration, NeverExceedsItsForceLimit) {
   const VibrationConfig config;
   std::mt19937_64 random(9);
   const double odd[] = {0, 1, -1, 1e300, -1e300, std::nan(""), INFINITY, -INFINITY, 0.01, 250, 1e-300};
@@ -155,7 +155,7 @@ TEST(Vibration, NeverOverItsForce) {
 
 // The bandwidth: the response of "one force per millisecond, held" with the coils' lag, by the theory of the sampled
 // hold.
-TEST(Vibration, BandwidthAsDocumented) {
+TEST(Vibration, BandwidthMatchesDocumentation) {
   const auto response = [](double f_Hz) {
     const double x = std::numbers::pi * f_Hz * 1e-3;
     const double hold = std::sin(x) / x;
@@ -170,7 +170,7 @@ TEST(Vibration, BandwidthAsDocumented) {
 }
 
 // The whole loop: contact and PCM together stay within what the coils can do, and PCM alone is what was requested.
-TEST(VibrationScenario, PcmIsAddedToContactUnderTheSameLimits) {
+TEST(VibrationScenario, PcmAddsToContactWithinTheSameLimits) {
   const haptics::Scene table = test::TableScene(test::kTableTop_m);
   test::Scenario story(test::PressAndSlide(), 4.0);
   std::vector<float> values(4000);

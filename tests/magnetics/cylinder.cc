@@ -18,7 +18,7 @@ namespace test_magnetics_cylinder_unit {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-TEST(MagneticsCylinder, CelHoldsTheCompleteIntegrals) {
+TEST(MagneticsCylinder, BulirschCelMatchesCompleteEllipticIntegrals) {
   // K = cel(k, 1, 1, 1), E = cel(k, 1, 1, k^2), k complementary.
   for (const double k2 : {1.0, 0.9, 0.5, 0.1, 1e-3, 1e-8}) {
     const EllipticIntegrals e = CompleteElliptic(1 - k2);
@@ -28,7 +28,7 @@ TEST(MagneticsCylinder, CelHoldsTheCompleteIntegrals) {
   }
 }
 
-TEST(MagneticsCylinder, CelMeetsItsIntegral) {
+TEST(MagneticsCylinder, BulirschCelMatchesNumericalIntegration) {
   // Midpoint sums of a periodic integrand converge faster than any power.
   for (const double k : {0.2, 0.7, 1.0}) {
     for (const double p : {0.01, 0.3, 1.0, 4.0}) {
@@ -45,7 +45,7 @@ TEST(MagneticsCylinder, CelMeetsItsIntegral) {
   }
 }
 
-TEST(MagneticsCylinder, OnItsAxis) {
+TEST(MagneticsCylinder, FieldOnAxisMatchesTheClosedForm) {
   // Bz = Br/2 [ (z+b)/sqrt((z+b)^2+R^2) - (z-b)/sqrt((z-b)^2+R^2) ], inside and outside.
   const base::MagnetGeometry magnet = support::NominalDevice().magnet;
   const Vector3d u = Vector3d(1, 2, -0.5).normalized();
@@ -58,7 +58,7 @@ TEST(MagneticsCylinder, OnItsAxis) {
   }
 }
 
-TEST(MagneticsCylinder, AcrossTheMantleTheAxialFieldJumpsByTheRemanence) {
+TEST(MagneticsCylinder, AxialFieldJumpsByRemanenceAcrossTheMantle) {
   const base::MagnetGeometry magnet = support::NominalDevice().magnet;
   const Vector3d u = Vector3d::UnitZ();
   const double R = magnet.radius_m;
@@ -71,7 +71,7 @@ TEST(MagneticsCylinder, AcrossTheMantleTheAxialFieldJumpsByTheRemanence) {
               1e-7);
 }
 
-TEST(MagneticsHall, NoiseByModeFollowsTheRate) {
+TEST(MagneticsHall, NoiseGrowsWithTheSampleRate) {
   const auto quiet = HallNoise_T(HallMode::kUltraHigh155Hz);
   EXPECT_EQ(quiet[0], 3.2e-7);
   EXPECT_EQ(quiet[2], 4.1e-7);
@@ -80,7 +80,7 @@ TEST(MagneticsHall, NoiseByModeFollowsTheRate) {
   EXPECT_LT(HallNoise_T(HallMode::kHigh300Hz)[1], HallNoise_T(HallMode::kMedium560Hz)[1]);
 }
 
-TEST(MagneticsHall, RoundsClipsAndSaysSo) {
+TEST(MagneticsHall, ReadingIsRoundedClippedAndMarkedSaturated) {
   HallSensor sensor;
   sensor.background_sensor_T = {1e-6, 0, 0};
   const HallReading reading = ReadHall(sensor, {1e-4, -2e-3, 1.6e-3}, {0, 0, 1.0}, 1e-4);
@@ -93,7 +93,7 @@ TEST(MagneticsHall, RoundsClipsAndSaysSo) {
   EXPECT_EQ(ReadHall(sensor, {std::nan(""), 0, 0}, Vector3d::Zero(), 0).saturated & 1, 1);
 }
 
-TEST(MagneticsArray, WindingsGiveTheMapsOfTheDrawing) {
+TEST(MagneticsArray, WindingsReproduceTheNominalCurrentMaps) {
   const base::DeviceGeometry device = support::NominalDevice();
   const base::Calibration drawn = NominalCalibration(device);
   base::Calibration array = drawn;

@@ -33,7 +33,7 @@ base::MagnetGeometry RandomMagnet(Rng& rng) {
 
 double Reach(const base::MagnetGeometry& magnet) { return std::hypot(magnet.radius_m, magnet.half_height_m); }
 
-TEST(MagneticsCylinderLaws, GradientMatchesDifferencesAndIsSourceFree) {
+TEST(MagneticsCylinderLaws, GradientMatchesFiniteDifferencesAndIsSourceFree) {
   Rng rng(101);
   for (int i = 0; i < 1000; ++i) {
     const base::MagnetGeometry magnet = RandomMagnet(rng);
@@ -51,7 +51,7 @@ TEST(MagneticsCylinderLaws, GradientMatchesDifferencesAndIsSourceFree) {
   }
 }
 
-TEST(MagneticsCylinderLaws, MeetsTheChargedFaces) {
+TEST(MagneticsCylinderLaws, FieldMatchesChargedFaces) {
   Rng rng(102);
   for (int i = 0; i < 20; ++i) {
     const base::MagnetGeometry magnet = RandomMagnet(rng);
@@ -65,7 +65,7 @@ TEST(MagneticsCylinderLaws, MeetsTheChargedFaces) {
   }
 }
 
-TEST(MagneticsCylinderLaws, MultipolesApproachItOrderByOrder) {
+TEST(MagneticsCylinderLaws, MultipoleErrorShrinksWithEachOrder) {
   // Each further order gains two powers of extent / distance.
   Rng rng(103);
   for (int i = 0; i < 300; ++i) {
@@ -83,7 +83,7 @@ TEST(MagneticsCylinderLaws, MultipolesApproachItOrderByOrder) {
   }
 }
 
-TEST(MagneticsCylinderLaws, ForceOnADipoleIsMinusTheGradientOfTheEnergy) {
+TEST(MagneticsCylinderLaws, ForceOnADipoleIsNegativeEnergyGradient) {
   Rng rng(104);
   const base::MagnetGeometry magnet = support::NominalDevice().magnet;
   for (int i = 0; i < 200; ++i) {
@@ -99,7 +99,7 @@ TEST(MagneticsCylinderLaws, ForceOnADipoleIsMinusTheGradientOfTheEnergy) {
   }
 }
 
-TEST(MagneticsCylinderLaws, ActionIsReaction) {
+TEST(MagneticsCylinderLaws, DipoleAndCylinderForcesAreOpposite) {
   // A dipole in the cylinder's field feels the opposite of what the cylinder's charges feel in the dipole's.
   Rng rng(105);
   for (int i = 0; i < 20; ++i) {
@@ -114,7 +114,7 @@ TEST(MagneticsCylinderLaws, ActionIsReaction) {
   }
 }
 
-TEST(MagneticsHallLaws, JacobianMatchesDifferences) {
+TEST(MagneticsHallLaws, JacobianMatchesFiniteDifferences) {
   Rng rng(106);
   for (int i = 0; i < 200; ++i) {
     HallSensor sensor;

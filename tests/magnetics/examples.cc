@@ -18,13 +18,13 @@ namespace test_magnetics_examples {
 
 using Eigen::Vector3d;
 
-TEST(MagneticsExamples, DipoleOnAxisIsTwiceTheEquatorAndOpposite) {
+TEST(MagneticsExamples, DipoleFieldOnAxisIsTwiceTheEquatorialAndOpposite) {
   const Vector3d m(0, 0, 2);
   EXPECT_NEAR(DipoleField(m, {0, 0, 0.1}).z(), 1e-7 * 2 * 2 / 1e-3, 1e-18);
   EXPECT_NEAR(DipoleField(m, {0.1, 0, 0}).z(), -1e-7 * 2 / 1e-3, 1e-18);
 }
 
-TEST(MagneticsExamples, EllipticIntegralsOfTheHandbook) {
+TEST(MagneticsExamples, EllipticIntegralsMatchAbramowitzStegun) {
   // Abramowitz & Stegun, table 17.1
   EXPECT_NEAR(CompleteElliptic(0).K, std::numbers::pi / 2, 1e-15);
   EXPECT_NEAR(CompleteElliptic(0).E, std::numbers::pi / 2, 1e-15);
@@ -34,7 +34,7 @@ TEST(MagneticsExamples, EllipticIntegralsOfTheHandbook) {
   EXPECT_NEAR(CompleteElliptic(0.99).E, 1.015993545025224, 1e-13);
 }
 
-TEST(MagneticsExamples, LoopOnItsAxis) {
+TEST(MagneticsExamples, LoopFieldOnAxisMatchesTheClosedForm) {
   for (const double z : {-0.03, 0.0, 0.01, 0.2}) {
     const double a = 0.02;
     const double expected = kMu0 * a * a / (2 * std::pow(a * a + z * z, 1.5));
@@ -43,7 +43,7 @@ TEST(MagneticsExamples, LoopOnItsAxis) {
   }
 }
 
-TEST(MagneticsExamples, LoopNearTheAxisJoinsTheSeries) {
+TEST(MagneticsExamples, LoopFieldIsContinuousAtTheNearAxisSwitch) {
   const double a = 0.02, z = 0.015;
   const double edge = 1e-4 * std::hypot(a, z);
   const double below = FieldOfLoop(a, edge * (1 - 1e-9), z).rho_T_A;
@@ -52,7 +52,7 @@ TEST(MagneticsExamples, LoopNearTheAxisJoinsTheSeries) {
   EXPECT_NEAR(above, below, 1e-7 * below);
 }
 
-TEST(MagneticsExamples, DiscMagnetOfTheTool) {
+TEST(MagneticsExamples, ToolDiscMagnetHasKnownMomentAndRing) {
   const DiscMagnet magnet = MakeDiscMagnet(support::NominalDevice().magnet);
   EXPECT_NEAR(magnet.moment_Am2, 5.119, 5e-4);
   EXPECT_NEAR(magnet.zonal[1] / magnet.moment_Am2, -1.565e-4, 1e-10);
@@ -60,7 +60,7 @@ TEST(MagneticsExamples, DiscMagnetOfTheTool) {
   EXPECT_NEAR(std::hypot(magnet.points[3].ring_1_m, magnet.points[3].ring_2_m), 10.2e-3, 0.03e-3);
 }
 
-TEST(MagneticsExamples, LongMagnetIsTwoPointsOnItsAxisAndABalancedOneIsOne) {
+TEST(MagneticsExamples, LongMagnetIsTwoAxialPointsAndBalancedHasNoOctupole) {
   base::MagnetGeometry rod{.radius_m = 0.003, .half_height_m = 0.010, .remanence_T = 1.3};
   const DiscMagnet magnet = MakeDiscMagnet(rod);
   ASSERT_EQ(magnet.point_count, 2);
@@ -71,7 +71,7 @@ TEST(MagneticsExamples, LongMagnetIsTwoPointsOnItsAxisAndABalancedOneIsOne) {
   EXPECT_LE(std::abs(MakeDiscMagnet(rod).zonal[1]), 1e-18);
 }
 
-TEST(MagneticsExamples, WindingsOfThePaper) {
+TEST(MagneticsExamples, WindingsMatchThePublishedFigures) {
   const base::DeviceGeometry device = support::NominalDevice();
   const double wire_m[] = {21.33, 22.66, 23.97};
   const double moment[] = {0.246, 0.273, 0.300};
@@ -91,7 +91,7 @@ TEST(MagneticsExamples, WindingsOfThePaper) {
   }
 }
 
-TEST(MagneticsExamples, FullCurrentAtTheSensorsFitsTheirRange) {
+TEST(MagneticsExamples, FieldOfFullCurrentStaysWithinTheSensorRange) {
   // 15 A in one coil: 10.3 G at the worst sensor of this geometry.
   const base::DeviceGeometry device = support::NominalDevice();
   double worst_T = 0;

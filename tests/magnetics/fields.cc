@@ -35,7 +35,7 @@ void ExpectSourceFree(const Matrix3d& G) {
   EXPECT_LT((G - G.transpose()).norm(), 1e-12 * G.norm());
 }
 
-TEST(MagneticsFields, GradientsMatchDifferencesAndAreSourceFree) {
+TEST(MagneticsFields, GradientsMatchFiniteDifferencesAndAreSourceFree) {
   Rng rng(1);
   for (int i = 0; i < kPoses; ++i) {
     const double r = Uniform(rng, 0.02, 0.2);
@@ -57,7 +57,7 @@ TEST(MagneticsFields, GradientsMatchDifferencesAndAreSourceFree) {
   }
 }
 
-TEST(MagneticsFields, ZonalAxisDerivativeMatchesDifferences) {
+TEST(MagneticsFields, ZonalAxisDerivativeMatchesFiniteDifferences) {
   Rng rng(2);
   for (int i = 0; i < kPoses; ++i) {
     const double r = Uniform(rng, 0.03, 0.2);
@@ -73,7 +73,7 @@ TEST(MagneticsFields, ZonalAxisDerivativeMatchesDifferences) {
   }
 }
 
-TEST(MagneticsFields, ZonalFieldIsMinusTheGradientOfItsPotential) {
+TEST(MagneticsFields, ZonalFieldIsNegativeGradientOfItsPotential) {
   Rng rng(3);
   for (int i = 0; i < kPoses; ++i) {
     const double r = Uniform(rng, 0.02, 0.2), h = kStep * r;
@@ -98,7 +98,7 @@ TEST(MagneticsFields, ZonalFieldIsMinusTheGradientOfItsPotential) {
   }
 }
 
-TEST(MagneticsFields, OrderOneIsTheDipole) {
+TEST(MagneticsFields, FirstOrderZonalFieldIsTheDipoleField) {
   Rng rng(3);
   for (int i = 0; i < 100; ++i) {
     const Vector3d d = Uniform(rng, 0.02, 0.2) * RandomUnit(rng), u = RandomUnit(rng);
@@ -108,7 +108,7 @@ TEST(MagneticsFields, OrderOneIsTheDipole) {
   }
 }
 
-TEST(MagneticsFields, Reciprocity) {
+TEST(MagneticsFields, DipoleAndImageFieldsAreReciprocal) {
   // Reciprocity: the work of dipole 1 in the field of 2 is that of 2 in the field of 1, with and without the core.
   Rng rng(4);
   for (int i = 0; i < kPoses; ++i) {
@@ -123,7 +123,7 @@ TEST(MagneticsFields, Reciprocity) {
   }
 }
 
-TEST(MagneticsFields, CoreImageGradientMatchesDifferences) {
+TEST(MagneticsFields, CoreImageGradientMatchesFiniteDifferences) {
   Rng rng(5);
   for (int i = 0; i < kPoses; ++i) {
     const CoreImage image = ImageInCore(RandomUnit(rng), Uniform(rng, 0.03, 0.1) * RandomUnit(rng), 0.015, 0.997);
@@ -144,7 +144,7 @@ TEST(MagneticsFields, FieldIsNormalToTheSurfaceOfAPerfectCore) {
   }
 }
 
-TEST(MagneticsFields, CoilAndCoreLeaveNoTangentialFieldOnTheCore) {
+TEST(MagneticsFields, CoilFieldIsNormalToTheCoreSurface) {
   // Orders up to 13 are carried; windings start 0.5 mm outside the core, so a few per mille remain.
   Rng rng(7);
   const base::DeviceGeometry device = support::NominalDevice();
@@ -168,7 +168,7 @@ TEST(MagneticsFields, LoopFieldIsSourceFree) {
   }
 }
 
-TEST(MagneticsFields, WindingAsMultipolesMeetsWindingTurnByTurn) {
+TEST(MagneticsFields, WindingMultipolesMatchTurnByTurnField) {
   Rng rng(9);
   const base::DeviceGeometry device = support::NominalDevice();
   for (int k = 0; k < 3; ++k) {
@@ -190,7 +190,7 @@ TEST(MagneticsFields, WindingAsMultipolesMeetsWindingTurnByTurn) {
   }
 }
 
-TEST(MagneticsFields, DiscMultipolesMeetTheChargedFaces) {
+TEST(MagneticsFields, DiscMultipolesMatchChargedFaces) {
   // Relative error of |B| with orders 1, 3, 5: 0.15 % at 41 mm, 0.003 % at 80 mm.
   Rng rng(10);
   const base::MagnetGeometry geometry = support::NominalDevice().magnet;
@@ -210,7 +210,7 @@ TEST(MagneticsFields, DiscMultipolesMeetTheChargedFaces) {
   }
 }
 
-TEST(MagneticsFields, RingOfPointsHasTheDiscsOctupole) {
+TEST(MagneticsFields, RingOfPointsReproducesTheDiscOctupole) {
   Rng rng(11);
   const DiscMagnet magnet = MakeDiscMagnet(support::NominalDevice().magnet);
   for (int i = 0; i < 100; ++i) {
@@ -225,7 +225,7 @@ TEST(MagneticsFields, RingOfPointsHasTheDiscsOctupole) {
   }
 }
 
-TEST(MagneticsFields, SnappingIsMinusTheGradientOfTheImageEnergy) {
+TEST(MagneticsFields, SnappingForceIsNegativeGradientOfImageEnergy) {
   // U = -m.B_image(p; m, p) / 2: the image moves with the magnet, hence the half.
   Rng rng(12);
   for (int i = 0; i < 200; ++i) {

@@ -32,7 +32,7 @@ double MeanError_mm(const base::DeviceGeometry& device, const tracker::StaticSol
   return 1e3 * sum / kPoses;
 }
 
-TEST(PeersMagnetSize, OnePercentOfTheRadiusShowsInTheError) {
+TEST(PeersMagnetSize, OnePercentRadiusErrorIncreasesPoseError) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   base::Calibration calibration = NoiseFree(device).ExactCalibration();
   calibration.sensor_noise_T = sim::NoiseOf_T(sim::NoiseMode::kUltraHigh);

@@ -45,7 +45,7 @@ PaperModel DipoleWorld(const base::Calibration& drawn) {
   return MakePaperModel(drawn, sweep);
 }
 
-TEST(PeersPaper, FindsTheCoilsMomentsAndThePoseInADipoleWorld) {
+TEST(PeersPaper, RecoversCoilMomentsAndPoseFromDipoleData) {
   const base::Calibration drawn = magnetics::NominalCalibration(config::DefaultDevice());
   const PaperModel model = DipoleWorld(drawn);
   for (int i = 0; i < 3; ++i) {
@@ -96,7 +96,7 @@ TEST(PeersPaper, GradientMatchesDifferences) {
   }
 }
 
-TEST(PeersPaper, OnTheTwinItIsMillimetresOff) {
+TEST(PeersPaper, HasMillimetreErrorsOnTheTwin) {
   // An exact rig without noise: what is left is the model's own error, 3.8 mm in the mean.
   const base::DeviceGeometry& device = config::DefaultDevice();
   sim::Rig rig(device, {.seed = 3, .sizes = sim::NoImperfections(), .noise = sim::NoiseMode::kNone});

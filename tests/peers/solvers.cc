@@ -90,7 +90,7 @@ TEST(PeersSolvers, FindTheTrackersMinimum) {
   }
 }
 
-TEST(PeersSolvers, WhiteningIsTheTrackers) {
+TEST(PeersSolvers, WhiteningMatchesTracker) {
   const Problem problem = MakeProblem(2, 20);
   for (const Case& one : problem.cases) {
     ASSERT_EQ(one.scan.nuisances, 3U);
@@ -105,7 +105,7 @@ TEST(PeersSolvers, WhiteningIsTheTrackers) {
   }
 }
 
-TEST(PeersSolvers, TheirStopKeepsTheErrorWithinOnePercent) {
+TEST(PeersSolvers, StoppingRuleChangesErrorByUnder1Percent) {
   const Problem problem = MakeProblem(3, 150);
   const std::vector<Named> exact = AllPeers(problem, {.function_tolerance = 1e-12});
   const std::vector<Named> loose = AllPeers(problem, {});

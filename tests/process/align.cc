@@ -87,7 +87,7 @@ bool AlignedFlag(TestApplication& application) {
   });
 }
 
-TEST(ProcessAlign, FromTheControllerToTheApplication) {
+TEST(ProcessAlign, TouchAlignmentReachesApplicationsAndSurvivesRestart) {
   const std::string build = OMNI_BINARY_DIR;
   const TempFolder temp;
   setenv("XR_RUNTIME_JSON", (build + "/share/openxr/1/omni_test_runtime.json").c_str(), 1);
@@ -156,7 +156,7 @@ void StoreInStage(const ServiceProcess& service) {
 
 // False recentrings reported by a faulty application only clear TRACKED, and a person can restore the alignment. The
 // runtime has been updated in between.
-TEST(ProcessAlign, AFaultyApplicationDoesNotSpoilAnAlignment) {
+TEST(ProcessAlign, FaultyApplicationOnlyMarksAlignmentDoubtful) {
   ServiceProcess service;
   service.Start();
   ASSERT_GT(service.pid(), 0);
@@ -191,7 +191,7 @@ TEST(ProcessAlign, AFaultyApplicationDoesNotSpoilAnAlignment) {
 }
 
 // The person does nothing: the command gives up in time, reports what is missing and stores nothing.
-TEST(ProcessAlign, GivesUpAndSaysWhatIsMissing) {
+TEST(ProcessAlign, TimesOutWithHintAndStoresNothing) {
   const std::string build = OMNI_BINARY_DIR;
   setenv("XR_RUNTIME_JSON", (build + "/share/openxr/1/omni_test_runtime.json").c_str(), 1);
   unsetenv("OMNI_TEST_RUNTIME_SCRIPT");

@@ -18,7 +18,7 @@ void WriteSettings(const ServiceProcess& service, const std::string& name, const
   std::ofstream(file) << text;
 }
 
-TEST(ProcessBombs, SettingsThatNestTooDeepAreRefusedAndTheRestHolds) {
+TEST(ProcessBombs, RejectsTooDeeplyNestedSettingsAndKeepsOthers) {
   std::string key = "a";
   while (key.size() < 80'000) key += ".a";
   ServiceProcess service;
@@ -31,7 +31,7 @@ TEST(ProcessBombs, SettingsThatNestTooDeepAreRefusedAndTheRestHolds) {
 }
 
 // Another application keeps its force meanwhile and afterwards.
-TEST(ProcessBombs, ScenesThatAreBombsAreRefusedOneByOne) {
+TEST(ProcessBombs, RejectsEachMaliciousSceneAndKeepsServing) {
   const TempFolder folder;
   ServiceProcess service;
   for (std::size_t i = 0; i < kSceneBombs.size(); ++i) {

@@ -107,7 +107,7 @@ bool IsTracked(const nlohmann::json& status) {
   return status.contains("tracking") && status["tracking"]["status"] == "tracking";
 }
 
-TEST_F(ProcessCalibration, OneOfAnotherBaseIsNamedWhileThePenIsNear) {
+TEST_F(ProcessCalibration, ReportsMisfitOfAnotherBasesCalibration) {
   ASSERT_NO_FATAL_FAILURE(Start(CalibrationOf(sim::UncalibratedImperfections(), 77), kNear));
   ASSERT_TRUE(WaitFor(20, IsMisfit)) << LogText();
   const nlohmann::json status = Status();
@@ -120,13 +120,13 @@ TEST_F(ProcessCalibration, OneOfAnotherBaseIsNamedWhileThePenIsNear) {
   ExpectMentions(LogText(), {"does not fit this base"});
 }
 
-TEST_F(ProcessCalibration, APenThatIsAwayIsNoMisfit) {
+TEST_F(ProcessCalibration, ReportsNoMisfitWhilePenIsAway) {
   ASSERT_NO_FATAL_FAILURE(Start(CalibrationOf(sim::UncalibratedImperfections(), 77), kAway));
   EXPECT_FALSE(WaitFor(6, IsMisfit)) << LogText();
   EXPECT_EQ(LogText().find("does not fit"), std::string::npos);
 }
 
-TEST_F(ProcessCalibration, OneThatFitsIsNotDoubted) {
+TEST_F(ProcessCalibration, ReportsNoMisfitForMatchingCalibration) {
   ASSERT_NO_FATAL_FAILURE(Start(CalibrationOf(sim::NoImperfections(), 1), kNear));
   ASSERT_TRUE(WaitFor(20, IsTracked)) << LogText();
   EXPECT_FALSE(WaitFor(5, IsMisfit)) << LogText();
@@ -192,7 +192,7 @@ TEST_P(ProcessRoom, WhatHappensToSensorsAndRoomIsTold) {
   EXPECT_FALSE(IsMisfit(Status()));
 }
 
-TEST_F(ProcessCalibration, ARefusedOneLeavesTheBaseAsDrawnAndIsNamed) {
+TEST_F(ProcessCalibration, FallsBackToNominalGeometryWhenRejected) {
   ASSERT_NO_FATAL_FAILURE(Start(CalibrationOf(sim::NoImperfections(), 1), kNear));
   omnid_.reset();
   std::string text;
@@ -215,7 +215,7 @@ TEST_F(ProcessCalibration, ARefusedOneLeavesTheBaseAsDrawnAndIsNamed) {
 }
 
 // The answer to a command waits for the disk; the control thread does not.
-TEST_F(ProcessCalibration, AnAlignmentThatCannotBeKeptIsSaid) {
+TEST_F(ProcessCalibration, ReportsAlignmentThatCannotBeSaved) {
   ASSERT_NO_FATAL_FAILURE(Run(kAway));
   ASSERT_TRUE(WaitFor(20, [](const nlohmann::json& status) { return status.is_object(); })) << LogText();
   const std::vector<std::string> off{"align", "--placement", "off", "--socket", Socket()};

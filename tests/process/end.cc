@@ -58,7 +58,7 @@ ServiceEnd EndWithUnreadFile(const std::string& option, const char* what) {
 }
 
 // The shipped dragon's soft body takes a minute to compute.
-TEST(ProcessEnd, SoftBodyThatIsBeingComputedIsGivenUp) {
+TEST(ProcessEnd, ExitsInTimeWhileComputingSoftBody) {
   ServiceProcess service(OMNI_SOURCE_DIR "/scenes/dragon.glb", kAwayHand);
   service.Start();
   TestApplication app(service);
@@ -85,7 +85,7 @@ haptics::InputObject Unwelded(const haptics::InputObject& object) {
   return apart;
 }
 
-TEST(ProcessEnd, SceneOf100MegabytesThatIsBeingLoadedIsGivenUp) {
+TEST(ProcessEnd, ExitsInTimeWhileLoading100MegabyteScene) {
   const TempFolder folder;
   const std::string file = folder.Path("ball.glb");
   haptics::InputObject ball = haptics::Sphere(325, 0.02);
@@ -102,7 +102,7 @@ TEST(ProcessEnd, SceneOf100MegabytesThatIsBeingLoadedIsGivenUp) {
   ExpectGoodEnd(EndAndWait(service, "a large scene is being loaded"));
 }
 
-TEST(ProcessEnd, StoppedTwinIsLeftBehind) {
+TEST(ProcessEnd, ExitsInTimeWithStoppedTwin) {
   StoppedTwin stopped;
   ExpectGoodEnd(EndAndWait(stopped.service, "its twin is stopped"));
 }
@@ -116,16 +116,16 @@ TEST(ProcessEnd, SecondSignalEndsAtOnce) {
   EXPECT_LT(end.ms, 500);
 }
 
-TEST(ProcessEnd, RecordingThatCannotBeWrittenIsLeftIncomplete) {
+TEST(ProcessEnd, ExitsInTimeWithBlockedRecording) {
   ExpectGoodEnd(EndWithUnreadFile("--record", "its recording is an unread pipe"), 1);
 }
 
-TEST(ProcessEnd, DeviceRecordingThatCannotBeWrittenIsLeftIncomplete) {
+TEST(ProcessEnd, ExitsInTimeWithBlockedDeviceRecording) {
   ExpectGoodEnd(EndWithUnreadFile("--record-device", "its device recording is an unread pipe"), 1);
 }
 
 // Main itself waits here, as it may for a base on USB.
-TEST(ProcessEnd, MainThatWaitsDoesNotKeepTheServiceAlive) {
+TEST(ProcessEnd, ExitsInTimeWhileMainThreadIsBlocked) {
   ServiceProcess service;
   const UnreadPipe file(service.Path("loop.csv"), UnreadPipe::Reader::kNone);
   service.Start({"--record", file.path()}, {});
@@ -134,7 +134,7 @@ TEST(ProcessEnd, MainThatWaitsDoesNotKeepTheServiceAlive) {
   ExpectGoodEnd(EndAndWait(service, "main waits for a file to open"));
 }
 
-TEST(ProcessEnd, CoilsAreAtZeroWhenTheProcessHadToEndAtOnce) {
+TEST(ProcessEnd, ForcedExitZeroesCoilsWithin50Milliseconds) {
   ServiceProcess service;
   const UnreadPipe file(service.Path("loop.csv"), UnreadPipe::Reader::kSleeps);
   service.Start({"--record", file.path()}, {});

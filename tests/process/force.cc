@@ -67,7 +67,7 @@ class ForceApplication : public TestApplication {
   std::int64_t last_push_ns_ = 0;
 };
 
-TEST(ProcessForce, DeadmanEndsTheForce) {
+TEST(ProcessForce, ExpiredDurationEndsTheForce) {
   ForceProcess service;
   ForceApplication app(service);
   ASSERT_TRUE(app.Claim()) << app.connection().last_error();
@@ -145,7 +145,7 @@ TEST(ProcessForce, SilentApplicationEndsTheConstraint) {
   EXPECT_LE(ms, 100);
 }
 
-TEST(ProcessForce, AMonitorCannotPush) {
+TEST(ProcessForce, MonitorCannotApplyForce) {
   ForceProcess service;
   client::Connection monitor({.role = protocol::ClientRole::kMonitor,
                               .application = "monitor",

@@ -48,7 +48,7 @@ class LedService {
   const TempFolder folder_;
 };
 
-TEST(ProcessHand, AimsMoveThePenAndSilenceLeavesItThere) {
+TEST(ProcessHand, AimsMoveThePenWhichThenStays) {
   const LedService service;
   const auto omnid = service.StartOmnid();
   ASSERT_TRUE(omnid.ok());
@@ -68,7 +68,7 @@ TEST(ProcessHand, AimsMoveThePenAndSilenceLeavesItThere) {
   EXPECT_NEAR(tip_x_mm(), 20, 5) << "nothing was said since";
 }
 
-TEST(ProcessHand, FormsClayByWhatItIsTold) {
+TEST(ProcessHand, SculptsClayFromPublishedStateOnly) {
   const LedService service;
   const auto omnid = service.StartOmnid();
   ASSERT_TRUE(omnid.ok());
@@ -88,7 +88,7 @@ TEST(ProcessHand, FormsClayByWhatItIsTold) {
 }
 
 // Without an application there is no clay: it fails in time.
-TEST(ProcessHand, SaysWhatIsMissingWhenItGivesUp) {
+TEST(ProcessHand, FailsInTimeWithoutAnApplication) {
   const LedService service;
   const auto omnid = service.StartOmnid();
   ASSERT_TRUE(omnid.ok());
@@ -97,7 +97,7 @@ TEST(ProcessHand, SaysWhatIsMissingWhenItGivesUp) {
   EXPECT_EQ(hand->Wait(), 1);
 }
 
-TEST(ProcessHand, WithoutAServiceItEndsWithTheStatusForThat) {
+TEST(ProcessHand, ExitsWithNoServiceStatusWithoutOmnid) {
   const LedService service;
   auto hand = service.StartHand("1");
   ASSERT_TRUE(hand.ok());

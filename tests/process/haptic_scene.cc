@@ -89,7 +89,7 @@ class SceneApplication : public TestApplication {
 
 double Milliseconds(std::int64_t since_ns) { return 1e-6 * static_cast<double>(base::MonotonicNow_ns() - since_ns); }
 
-TEST(ProcessHapticScene, IsFeltMovedChangedReadAndGone) {
+TEST(ProcessHapticScene, CanBeLoadedChangedMovedDisabledAndEnded) {
   const TempFolder folder;
   ServiceProcess service(folder.Path("none.glb"), kPressAndStay);
   service.Start();
@@ -181,7 +181,7 @@ TEST(ProcessHapticScene, IsFeltMovedChangedReadAndGone) {
   EXPECT_TRUE(app.Run(2000, 2, [&] { return app.Contacts().count == 0 && app.Force_N() < 0.01; }));
 }
 
-TEST(ProcessHapticScene, BadDocumentsAreRefusedAtOnceByTheirPointer) {
+TEST(ProcessHapticScene, RejectsBadDocumentsWithJsonPointer) {
   const TempFolder folder;
   ServiceProcess service(folder.Path("none.glb"), kPressAndStay);
   service.Start();
@@ -216,7 +216,7 @@ TEST(ProcessHapticScene, BadDocumentsAreRefusedAtOnceByTheirPointer) {
   EXPECT_TRUE(app.WaitStatus(protocol::HapticSceneStatus::kReady)) << app.text;
 }
 
-TEST(ProcessHapticScene, TwoApplicationsEachFeelTheirOwnAndDeathFreesAll) {
+TEST(ProcessHapticScene, FocusSwitchesScenesAndExitFreesThem) {
   const TempFolder folder;
   ServiceProcess service(folder.Path("none.glb"), kPressAndStay);
   service.Start();

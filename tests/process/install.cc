@@ -74,7 +74,7 @@ class Installed : public testing::Test {
 std::unique_ptr<TempFolder> Installed::folder_;
 std::string Installed::unit_;
 
-TEST_F(Installed, EverythingIsInItsPlace) {
+TEST_F(Installed, ContainsEveryFile) {
   for (const char* file : {"bin/omni",
                            "bin/omnid",
                            "bin/omni_align_probe",
@@ -99,12 +99,12 @@ TEST_F(Installed, EverythingIsInItsPlace) {
   }
 }
 
-TEST_F(Installed, UnitStartsOmnidOfItsPrefixWithARealBase) {
+TEST_F(Installed, SystemdUnitStartsInstalledOmnidWithUsbBase) {
   EXPECT_NE(unit_.find("\nExecStart=\"" + FirstPlace() + "/bin/omnid\" --device usb\n"), std::string::npos) << unit_;
   EXPECT_EQ(unit_.find('@' + std::string("OMNI")), std::string::npos);
 }
 
-TEST_F(Installed, DoctorIsContentWithARunningService) {
+TEST_F(Installed, DoctorPassesWithRunningService) {
   const Ran ran =
       Run("\"$P/bin/omnid\" --device twin & service=$!; "
           "for i in $(seq 100); do \"$P/bin/omni\" status | grep SIMULATION && break; sleep 0.1; done; "
@@ -115,7 +115,7 @@ TEST_F(Installed, DoctorIsContentWithARunningService) {
   EXPECT_NE(ran.text.find(Prefix() + "/share/openxr/1/api_layers/explicit.d"), std::string::npos) << ran.text;
 }
 
-TEST_F(Installed, LayerIsEnabledByItsPlaceOfNow) {
+TEST_F(Installed, LayerIsEnabledAtMovedLocation) {
   const Ran ran = Run("XDG_DATA_HOME='" + folder_->Path("data") + "' \"$P/bin/omni\" layer enable --user");
   ASSERT_EQ(ran.status, 0) << ran.text;
   const auto manifest = nlohmann::json::parse(
@@ -126,14 +126,14 @@ TEST_F(Installed, LayerIsEnabledByItsPlaceOfNow) {
   EXPECT_TRUE(fs::is_regular_file(library)) << library;
 }
 
-TEST_F(Installed, DemoRunsFromThere) {
+TEST_F(Installed, DemoRunsFromMovedInstallation) {
   const Ran ran = Run("'" OMNI_SOURCE_DIR "/scripts/demo' --prefix \"$P\" --built '" + kBuildTree + "' --out '" +
                       folder_->Path("demo") + "' --ideal --scene \"$P/share/omni/scenes/extrusion.glb\"");
   EXPECT_EQ(ran.status, 0) << ran.text;
   EXPECT_NE(ran.text.find("demo: ok"), std::string::npos) << ran.text;
 }
 
-TEST_F(Installed, StagedFilesNameTheFinalPlace) {
+TEST_F(Installed, StagedFilesNameTheFinalPrefix) {
   const TempFolder folder;
   const Ran installed = Install(folder, "/opt/of omni", folder.Path("stage"));
   ASSERT_EQ(installed.status, 0) << installed.text;
@@ -144,7 +144,7 @@ TEST_F(Installed, StagedFilesNameTheFinalPlace) {
   EXPECT_EQ(explained.status, 0) << explained.text;
 }
 
-TEST_F(Installed, ServiceWithoutABaseSaysSoAndWaits) {
+TEST_F(Installed, ServiceReportsMissingBaseAndWaits) {
   ServiceProcess service;
   service.StartProgram({Prefix() + "/bin/omnid"}, service.Path("log"));
   const Ran ran = RunShell(*folder_, "export OMNI_SOCKET='" + service.socket_path() + "'; for i in $(seq 100); do '" +

@@ -62,14 +62,14 @@ void ExpectGoodEnd(ServiceProcess& service, const char* what) {
   EXPECT_LT(end.ms, kEndsWithin_ms);
 }
 
-TEST(ProcessLog, UnreadFullPipeStopsNeitherControlThreadNorEnd) {
+TEST(ProcessLog, UnreadLogPipeBlocksNeitherControlNorExit) {
   UnreadLog log;
   EXPECT_EQ(Toggle(log.app, 2000), 2000);
   EXPECT_TRUE(AnswersStatus(log.service));
   ExpectGoodEnd(log.service, "its log is a full pipe");
 }
 
-TEST(ProcessLog, LostLinesAreCountedOnceTheLogIsReadAgain) {
+TEST(ProcessLog, ReportsDroppedLinesOnceReadAgain) {
   UnreadLog log;
   ASSERT_EQ(Toggle(log.app, 2000), 2000);  // more than the service's own pipe holds
   ASSERT_TRUE(AnswersStatus(log.service));
@@ -98,7 +98,7 @@ double BytesFor(int toggles) {
   return static_cast<double>(text.size());
 }
 
-TEST(ProcessLog, TogglingSessionsDoesNotGrowTheLog) {
+TEST(ProcessLog, RepeatedSessionChangesAreRateLimited) {
   const double few = BytesFor(200);
   const double many = BytesFor(10'000);
   EXPECT_LT(many, 2 * few);
@@ -114,7 +114,7 @@ TEST(ProcessLog, ErrorsBeforeTheServiceRunsAreWritten) {
 }
 
 // libusb writes its own messages, from the thread that looks for a base.
-TEST(ProcessLog, WhatLibrariesWriteBlocksNobodyEither) {
+TEST(ProcessLog, LibraryOutputToFullPipeDoesNotBlock) {
   ServiceProcess service;
   const UnreadPipe log(service.Path("log"), UnreadPipe::Reader::kSleeps);
   log.Fill();  // before anything is written
@@ -125,7 +125,7 @@ TEST(ProcessLog, WhatLibrariesWriteBlocksNobodyEither) {
 }
 
 // The simulation is a process of its own that writes to the same log.
-TEST(ProcessLog, WhatTheTwinWritesIsInTheLog) {
+TEST(ProcessLog, IncludesTwinOutput) {
   ServiceProcess service;
   const std::string open_folder = service.Path("open");
   std::filesystem::create_directory(open_folder);

@@ -101,7 +101,7 @@ TEST_F(ProcessReplay, OmniRecordsABaseWithoutArmingIt) {
   OutputOf({kOmni, "record", folder_.Path("missing/device.rec"), "--device", "twin", "--seconds", "1"}, 1);
 }
 
-TEST_F(ProcessReplay, RefusesWhatIsNoRecording) {
+TEST_F(ProcessReplay, RejectsFilesThatAreNotRecordings) {
   const std::string text = folder_.Write("text.rec", "not a recording, but some words that are long enough for one");
   OutputOf({kOmnid, "--device", "replay:" + text}, 1);
   OutputOf({kOmnid, "--device", "replay:" + folder_.Path("missing")}, 1);
@@ -114,7 +114,7 @@ TEST_F(ProcessReplay, RefusesWhatIsNoRecording) {
 }
 
 // Killed in the middle: the written part is valid, and the summary names where it ends.
-TEST_F(ProcessReplay, RecordingOfAKilledServiceIsGoodUpToThere) {
+TEST_F(ProcessReplay, RecordingOfKilledServiceIsValidUpToTheCut) {
   Record(SIGKILL);
   const auto summary = device::SummariseRecording(recording_);
   ASSERT_TRUE(summary.ok()) << summary.error();

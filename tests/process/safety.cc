@@ -14,7 +14,7 @@ namespace test_process_safety {
 
 constexpr double kPushing_N = 0.2;
 
-TEST(ProcessSafety, KilledServiceMeansZeroWithin50Milliseconds) {
+TEST(ProcessSafety, KilledServiceZeroesCoilsWithin50Milliseconds) {
   ServiceProcess service;
   service.Start();
   TestApplication app(service);
@@ -31,7 +31,7 @@ TEST(ProcessSafety, KilledServiceMeansZeroWithin50Milliseconds) {
   EXPECT_LE(ms, 50);
 }
 
-TEST(ProcessSafety, ServiceComesBackAndTheAppGetsThePenAgain) {
+TEST(ProcessSafety, ApplicationReconnectsAfterServiceRestart) {
   ServiceProcess service;
   service.Start();
   TestApplication app(service);
@@ -55,7 +55,7 @@ class ForkedApplication : public Forked {
         }) {}
 };
 
-TEST(ProcessSafety, KilledApplicationMeansZeroWithin50Milliseconds) {
+TEST(ProcessSafety, KilledApplicationZeroesCoilsWithin50Milliseconds) {
   ServiceProcess service;
   service.Start();
   ForkedApplication app(service);
@@ -68,7 +68,7 @@ TEST(ProcessSafety, KilledApplicationMeansZeroWithin50Milliseconds) {
   EXPECT_LE(ms, 50);
 }
 
-TEST(ProcessSafety, StoppedApplicationFadesAfter250Milliseconds) {
+TEST(ProcessSafety, StoppedApplicationForceFadesAfter250Milliseconds) {
   ServiceProcess service;
   service.Start();
   ForkedApplication app(service);
@@ -82,7 +82,7 @@ TEST(ProcessSafety, StoppedApplicationFadesAfter250Milliseconds) {
   EXPECT_LE(ms, 450);
 }
 
-TEST(ProcessSafety, LosingFocusMeansZeroWithin50Milliseconds) {
+TEST(ProcessSafety, LosingFocusZeroesCoilsWithin50Milliseconds) {
   ServiceProcess service;
   service.Start();
   TestApplication app(service);
@@ -96,7 +96,7 @@ TEST(ProcessSafety, LosingFocusMeansZeroWithin50Milliseconds) {
   EXPECT_LE(ms, 50);
 }
 
-TEST(ProcessSafety, An20HzApplicationFeelsSteadyContact) {
+TEST(ProcessSafety, ContactForceIsSteadyFor20HzApplication) {
   ServiceProcess service;
   service.Start();
   TestApplication app(service);
@@ -117,7 +117,7 @@ TEST(ProcessSafety, An20HzApplicationFeelsSteadyContact) {
   EXPECT_GT(*std::min_element(slow_N.begin(), slow_N.end()), 0.25 * tools::Mean(fast_N));
 }
 
-TEST(ProcessSafety, LastFocusedOwnsAndOthersSeePoses) {
+TEST(ProcessSafety, LastFocusedApplicationOwnsForceOthersStillGetPoses) {
   ServiceProcess service;
   service.Start();
   TestApplication first(service);

@@ -61,7 +61,7 @@ double TopOf(const std::string& glb) {
   return top_m;
 }
 
-TEST(ProcessSculpt, FromTheStrokeToTheFile) {
+TEST(ProcessSculpt, StrokeCanBeSavedUndoneAndRedone) {
   const TempFolder folder;
   ServiceProcess service(ClayFile(folder), kPressAndPull);
   service.Start();

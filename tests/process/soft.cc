@@ -26,7 +26,7 @@ std::string BallFile(const TempFolder& folder) {
   return path;
 }
 
-TEST(ProcessSoft, TheBodyFollowsTheSceneAndIsKept) {
+TEST(ProcessSoft, SoftBodyIsComputedAfterSceneLoadAndCached) {
   const TempFolder folder;
   ServiceProcess service(BallFile(folder), kAway);
   bool seen_unfinished = false;
@@ -58,7 +58,7 @@ TEST(ProcessSoft, TheBodyFollowsTheSceneAndIsKept) {
 }
 
 // A service that is to end does not finish computing first.
-TEST(ProcessSoft, TheServiceEndsWhileItComputes) {
+TEST(ProcessSoft, ServiceExitsWhileComputingSoftBody) {
   const TempFolder folder;
   ServiceProcess service(BallFile(folder), kAway);
   service.Start();

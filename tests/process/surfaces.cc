@@ -33,7 +33,7 @@ std::string PadFile(const TempFolder& folder) {
   return path;
 }
 
-TEST(ProcessSurfaces, WhatIsDrawnCanBeSaved) {
+TEST(ProcessSurfaces, PublishedSurfacesCanBeSaved) {
   const TempFolder folder;
   ServiceProcess service(PadFile(folder), kPressAndHold);
   service.Start();

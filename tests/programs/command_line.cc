@@ -22,7 +22,7 @@ std::vector<std::string> Programs() {
   return programs;
 }
 
-TEST(ExitStatus, HelpIsZeroAndWrongArgumentsAreTwoInEveryProgram) {
+TEST(ExitStatus, EveryProgramExits0ForHelpAnd2ForWrongArguments) {
   ASSERT_GE(Programs().size(), 8U);
   for (const std::string& program : Programs()) {
     const Ran help = RunProgram({BinaryPath(program), "--help"});
@@ -44,7 +44,7 @@ TEST(ExitStatus, VersionIsPrintedByBothMainPrograms) {
   }
 }
 
-TEST(ExitStatus, TwinNeedsAnInheritedSocketAndFilesThatAreThere) {
+TEST(ExitStatus, TwinFailsWithoutInheritedSocketOrFiles) {
   const struct {
     Words options;
     Words parts;
@@ -62,7 +62,7 @@ TEST(ExitStatus, TwinNeedsAnInheritedSocketAndFilesThatAreThere) {
   }
 }
 
-TEST(ExitStatus, MistypedWordsAreTwoAndNameTheNearest) {
+TEST(ExitStatus, MistypedWordsExit2AndSuggestNearest) {
   const struct {
     Words words;
     const char* meant;
@@ -88,7 +88,7 @@ TEST(ExitStatus, MistypedWordsAreTwoAndNameTheNearest) {
 }
 
 // With a bad file on its command line omnid ends at once: no socket, no device, no recording.
-TEST(ExitStatus, OmnidEndsBeforeAnythingStartsWhenAFileIsNotAsItHasToBe) {
+TEST(ExitStatus, OmnidExitsBeforeStartingWhenAFileIsInvalid) {
   const TempFolder folder;
   std::filesystem::create_directories(folder.Path("run"));
   std::filesystem::permissions(folder.Path("run"), std::filesystem::perms::owner_all);  // as omnid wants it

@@ -144,7 +144,7 @@ std::vector<std::string> Documents() {
   return files;
 }
 
-TEST(Documents, EveryCommandThatTheyNameExistsWithItsOptions) {
+TEST(Documents, EveryCommandInDocsExistsWithItsOptions) {
   std::size_t commands = 0;
   std::string problems;
   for (const std::string& file : Documents()) {
@@ -187,7 +187,7 @@ TEST(Documents, EveryLinkLeadsToAFile) {
 }
 
 // "The socket's protocol is version 3": wherever the control protocol's version is stated.
-TEST(Documents, ProtocolVersionIsTheOneInUse) {
+TEST(Documents, StatedProtocolVersionMatchesTheCode) {
   const std::regex said(R"(protocol (?:has|is) version (\d+))");
   std::vector<std::string> files = Documents();
   files.emplace_back(OMNI_SOURCE_DIR "/CHANGELOG.md");
@@ -201,7 +201,7 @@ TEST(Documents, ProtocolVersionIsTheOneInUse) {
   EXPECT_GE(found, 1);
 }
 
-TEST(Documents, WhatDoesNotExistIsFound) {
+TEST(Documents, CheckerDetectsUnknownCommandsAndOptions) {
   EXPECT_EQ(ProblemWith({"omni", "scene", "explain", "dragon", "--fit"}), "");
   EXPECT_EQ(ProblemWith({"omni", "scene", "explode", "dragon"}), "there is no omni scene explode");
   EXPECT_EQ(ProblemWith({"omni", "scene", "explain", "--tou"}), "omni scene explain has no --tou");

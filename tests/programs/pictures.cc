@@ -73,7 +73,7 @@ void ExpectOfEach(const std::vector<Case>& cases) {
   }
 }
 
-TEST(SceneRender, DrawsWhateverFormTheTrianglesHave) {
+TEST(SceneRender, DrawsEveryKindOfTrianglePrimitive) {
   ExpectOfEach({
       {"as it is", [](Model&) {}},
       {"no indices", [](Model& m) { Primitive(m).erase("indices"); }},
@@ -123,7 +123,7 @@ TEST(SceneRender, DrawsWhateverFormTheTrianglesHave) {
   });
 }
 
-TEST(SceneRender, WithoutAMaterialItIsGrey) {
+TEST(SceneRender, DrawsMeshWithoutMaterialInGrey) {
   const TempFolder folder;
   Model model = Tetra();
   Primitive(model).erase("material");
@@ -133,7 +133,7 @@ TEST(SceneRender, WithoutAMaterialItIsGrey) {
   EXPECT_EQ(RedShare(folder.Path("model.png")), 0);
 }
 
-TEST(SceneRender, SaysWhereAFileIsNotWhatItHasToBe) {
+TEST(SceneRender, ErrorsPointToTheInvalidJsonElement) {
   ExpectOfEach({
       {"points", [](Model& m) { Primitive(m)["mode"] = 0; }, {"/meshes/0/primitives/0 ", "points", "triangles"}},
       {"no position",
@@ -189,7 +189,7 @@ TEST(SceneRender, SaysWhereAFileIsNotWhatItHasToBe) {
   });
 }
 
-TEST(SceneRender, ReadsBuffersBesideAndWithinTheFile) {
+TEST(SceneRender, ReadsExternalAndEmbeddedBuffers) {
   const TempFolder folder;
   Model model = Red();
   folder.Write("model.bin", model.bin);
@@ -211,7 +211,7 @@ TEST(SceneRender, ReadsBuffersBesideAndWithinTheFile) {
   EXPECT_GT(RedShare(picture), 0.05);
 }
 
-TEST(SceneRender, RefusesWhatIsNoScene) {
+TEST(SceneRender, RejectsFilesThatAreNotScenes) {
   const TempFolder folder;
   const std::string picture = folder.Path("x.png");
   const struct {
@@ -235,7 +235,7 @@ TEST(SceneRender, RefusesWhatIsNoScene) {
   }
 }
 
-TEST(SceneRender, FindsShippedScenesAndRefusesOtherKindsOfPicture) {
+TEST(SceneRender, FindsShippedScenesAndWritesOnlyPng) {
   const TempFolder folder;
   EXPECT_EQ(Draw("extrusion", folder.Path("a.png")).status, 0);
   EXPECT_EQ(Draw("extrusion.glb", folder.Path("b.png")).status, 0);

@@ -123,7 +123,7 @@ TEST_F(OnTerminals, JsonIsNeverWrapped) {
   EXPECT_EQ(std::count(shown.out.begin(), shown.out.end(), '\n'), std::count(piped.out.begin(), piped.out.end(), '\n'));
 }
 
-TEST_F(OnTerminals, APipeKeepsItsLinesUnlessColumnsSaysOtherwise) {
+TEST_F(OnTerminals, PipesAreNotWrappedUnlessColumnsIsSet) {
   const Words doctor = Omni({"doctor"});
   EXPECT_NE(TooWide(RunProgram(doctor, environment()).out, 100), "") << "a line a finding, for those who search";
   Words narrow = environment();

@@ -40,7 +40,7 @@ TEST(ForceMessages, DefaultsAreAccepted) {
   EXPECT_EQ(ReasonOf(One({})), "accepted");
 }
 
-TEST(ForceMessages, RefusedWithTheField) {
+TEST(ForceMessages, RejectionNamesTheField) {
   ForceApply apply;
   apply.force_base_N = {0, kNaN, 0};
   EXPECT_NE(ReasonOf(apply).find("force_base_N"), std::string::npos);
@@ -73,7 +73,7 @@ TEST(ForceMessages, RefusedWithTheField) {
 }
 
 // Accepted messages are in range, whatever the bytes are.
-TEST(ForceMessages, FuzzedBytes) {
+TEST(ForceMessages, AcceptedRandomBytesAreInRange) {
   std::mt19937_64 random(31);
   const auto seeded = [](const auto& message) {
     std::vector<unsigned char> bytes(sizeof(message));

@@ -17,14 +17,14 @@ bool Passes(const HandAim& aim) {
   return ReadHandAim(&aim, sizeof(aim), read);
 }
 
-TEST(HandAim, IsReadAsItWasSent) {
+TEST(HandAim, ReadReturnsTheAimThatWasSent) {
   const HandAim sent{.present = 0, .tip_base_m = {0.01, -0.02, 0.06}, .axis_base = {0, 0.6, -0.8}};
   HandAim read;
   ASSERT_TRUE(ReadHandAim(&sent, sizeof(sent), read));
   EXPECT_EQ(std::memcmp(&sent, &read, sizeof(sent)), 0);
 }
 
-TEST(HandAim, RefusesWhatIsNoAim) {
+TEST(HandAim, RejectsInvalidFields) {
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(Passes({}));
   EXPECT_FALSE(Passes({.magic = 1}));
@@ -44,7 +44,7 @@ TEST(HandAim, RefusesWhatIsNoAim) {
   EXPECT_FALSE(Passes({.axis_base = {0, 0, -1.1}}));
 }
 
-TEST(HandAim, RefusesEveryOtherSize) {
+TEST(HandAim, RejectsEveryOtherSize) {
   const std::vector<unsigned char> zeros(256);
   std::vector<unsigned char> bytes(256);
   const HandAim good;
@@ -56,7 +56,7 @@ TEST(HandAim, RefusesEveryOtherSize) {
   }
 }
 
-TEST(HandAim, RandomBytesNeverYieldAnInsaneAim) {
+TEST(HandAim, AcceptedRandomBytesAreInRange) {
   std::mt19937_64 random(1);
   int passed = 0;
   for (int i = 0; i < 200'000; ++i) {

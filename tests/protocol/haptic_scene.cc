@@ -33,7 +33,7 @@ HapticSceneLoad Sound() {
   return load;
 }
 
-TEST(HapticSceneMessages, SoundOnesPass) {
+TEST(HapticSceneMessages, AcceptsValidMessages) {
   EXPECT_EQ(ReasonOf(Sound()), "");
   EXPECT_EQ(ReasonOf(Numbered<HapticSceneEnd>()), "");
   EXPECT_EQ(ReasonOf(Numbered<HapticScenePlace>()), "");
@@ -48,7 +48,7 @@ TEST(HapticSceneMessages, SoundOnesPass) {
   EXPECT_EQ(ReasonOf(Numbered<HapticSceneTable>()), "");
 }
 
-TEST(HapticSceneMessages, EachFieldHasItsRange) {
+TEST(HapticSceneMessages, RejectsFieldsOutOfRange) {
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
   const auto load = [](auto change) {
     HapticSceneLoad message = Sound();
@@ -117,7 +117,7 @@ std::string TableBytes(std::uint32_t nodes, std::uint32_t materials) {
   return bytes;
 }
 
-TEST(HapticSceneMessages, ATableIsItsRows) {
+TEST(HapticSceneMessages, TableIsDecodedRowByRow) {
   for (const auto& [nodes, materials] :
        {std::pair{0U, 0U}, {1U, 0U}, {3U, 5U}, {kMaxHapticNodes, kMaxHapticMaterials}}) {
     const std::string bytes = TableBytes(nodes, materials);
@@ -132,7 +132,7 @@ TEST(HapticSceneMessages, ATableIsItsRows) {
   }
 }
 
-TEST(HapticSceneMessages, ATableOfAnotherSizeIsRefused) {
+TEST(HapticSceneMessages, RejectsTablesOfTheWrongSize) {
   std::string bytes = TableBytes(3, 2);
   for (const std::size_t cut : {std::size_t{1}, sizeof(base::MaterialParameters), sizeof(HapticNodeRow)}) {
     std::string other = bytes.substr(0, bytes.size() - cut);
@@ -148,7 +148,7 @@ TEST(HapticSceneMessages, ATableOfAnotherSizeIsRefused) {
   EXPECT_NE(std::string(invalid->reason).find("node 0: name"), std::string::npos) << invalid->reason;
 }
 
-TEST(HapticSceneMessages, AStateIsItsText) {
+TEST(HapticSceneMessages, StateHoldsItsText) {
   HapticSceneState state = Numbered<HapticSceneState>();
   const std::string text = "/meshes/0: is broken\nline two";
   state.header.size = static_cast<std::uint32_t>(sizeof(state) + text.size());

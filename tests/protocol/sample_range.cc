@@ -42,14 +42,14 @@ TEST(SampleRange, AcceptsDefaultsAndOrdinarySamples) {
   EXPECT_TRUE(InRange(InputSnapshot{}));
 }
 
-TEST(SampleRange, WhatIsInRangeStaysBitForBit) {
+TEST(SampleRange, SampleInRangeIsUnchanged) {
   const ToolSample sample = GoodSample();
   const ToolSample tamed = Clamped(sample);
   EXPECT_EQ(tamed.position_base_m, sample.position_base_m);
   EXPECT_EQ(tamed.flags, sample.flags);
 }
 
-TEST(SampleRange, AFaultTakesThePoseAway) {
+TEST(SampleRange, InvalidSampleLosesItsPose) {
   for (const auto& spoil : kFaults) {
     ToolSample sample = GoodSample();
     spoil(sample);
@@ -61,7 +61,7 @@ TEST(SampleRange, AFaultTakesThePoseAway) {
   }
 }
 
-TEST(SampleRange, AnUnknownGapOrSigmaIsALargeOneAndKeepsThePose) {
+TEST(SampleRange, NonFiniteGapOrSigmaIsClampedAndKeepsThePose) {
   ToolSample sample = GoodSample();
   sample.gap_m = kInfinite;
   sample.position_sigma_m = kNan;

@@ -46,7 +46,7 @@ TEST(Seqlock, StoreThenLoad) {
   EXPECT_TRUE(SameBits(sample, SampleOf(8)));
 }
 
-TEST(Seqlock, AWriterThatDiedInsideReadsAsTorn) {
+TEST(Seqlock, UnfinishedWriteReadsAsTorn) {
   RingSlot slot;
   StoreCell(slot, SequenceOf(8), SampleOf(8));
   slot.sequence.store(SequenceOf(9) - 1);
@@ -54,7 +54,7 @@ TEST(Seqlock, AWriterThatDiedInsideReadsAsTorn) {
   EXPECT_EQ(LoadCell(slot, sample), 0u);
 }
 
-TEST(Seqlock, NoReaderEverSeesAMixture) {
+TEST(Seqlock, ReadersNeverSeeMixedValues) {
   const auto slot = std::make_unique<RingSlot>();
   std::atomic<bool> stop{false};
   std::atomic<std::uint64_t> wrong{0};

@@ -16,7 +16,7 @@
 namespace omni::protocol {
 namespace test_protocol_socket_path {
 
-TEST(SocketPath, FollowsTheEnvironment) {
+TEST(SocketPath, DefaultFollowsTheEnvironment) {
   const test::ScopedVariable runtime("XDG_RUNTIME_DIR", "/run/user/7");
   {
     const test::ScopedVariable own("OMNI_SOCKET", "/x/y.sock");
@@ -45,7 +45,7 @@ TEST(SocketPath, MustBeAnAbsoluteFile) {
   EXPECT_NE(PathProblem(std::string("/a\0b", 4)), "");
 }
 
-TEST(SocketPath, HasAFolderAndAnAddress) {
+TEST(SocketPath, SplitsIntoFolderAndAddress) {
   EXPECT_EQ(FolderOf("/a/b/c.sock"), "/a/b");
   EXPECT_EQ(FolderOf("/c.sock"), "/");
   const SocketAddress address = AddressOf("/a/b/c.sock");
@@ -53,19 +53,19 @@ TEST(SocketPath, HasAFolderAndAnAddress) {
   EXPECT_EQ(address.bytes, sizeof(sa_family_t) + 12);
 }
 
-TEST(SocketFolder, OwnAndClosedIsGood) {
+TEST(SocketFolder, AcceptsOwnPrivateFolder) {
   const test::TempFolder temp;
   const FolderCheck check = CheckFolder(temp.Path());
   EXPECT_EQ(check.state, FolderState::kGood);
   EXPECT_EQ(check.problem, "");
 }
 
-TEST(SocketFolder, MissingIsToldApart) {
+TEST(SocketFolder, ReportsMissingFolderAsMissing) {
   const test::TempFolder temp;
   EXPECT_EQ(CheckFolder(temp.Path("none")).state, FolderState::kMissing);
 }
 
-TEST(SocketFolder, OpenToOthersIsRefused) {
+TEST(SocketFolder, RejectsFoldersOpenToOtherUsers) {
   const test::TempFolder temp;
   for (const mode_t mode : {0710u, 0701u, 0755u, 0770u, 01777u}) {
     ASSERT_EQ(::chmod(temp.Path().c_str(), mode), 0);
@@ -75,7 +75,7 @@ TEST(SocketFolder, OpenToOthersIsRefused) {
   }
 }
 
-TEST(SocketFolder, LinksAndFilesAreRefused) {
+TEST(SocketFolder, RejectsSymlinksAndFiles) {
   const test::TempFolder temp;
   const std::string target = temp.Path("real");
   const std::string link = temp.Path("link");
@@ -87,7 +87,7 @@ TEST(SocketFolder, LinksAndFilesAreRefused) {
   EXPECT_EQ(CheckFolder("/dev/null").state, FolderState::kRefused);
 }
 
-TEST(SocketFolder, OfAnotherUserIsRefused) {
+TEST(SocketFolder, RejectsFoldersOfOtherUsers) {
   const std::string foreign = ::geteuid() == 0 ? std::string() : "/";
   const test::TempFolder temp;
   if (foreign.empty()) {

@@ -65,7 +65,7 @@ void ExpectSound(const SurfaceLayout& layout) {
   EXPECT_LE(end, layout.total_bytes);
 }
 
-TEST(SurfaceLayout, WhatIsLaidOutIsAccepted) {
+TEST(SurfaceLayout, AcceptsItsOwnLayouts) {
   std::mt19937_64 random(1);
   for (int round = 0; round < 300; ++round) {
     std::vector<SurfacePlan> plans;
@@ -88,7 +88,7 @@ TEST(SurfaceLayout, WhatIsLaidOutIsAccepted) {
   }
 }
 
-TEST(SurfaceLayout, NamesTheLimitThatIsExceeded) {
+TEST(SurfaceLayout, ErrorNamesTheExceededLimit) {
   const auto problem = [](SurfacePlan plan) { return LayOutSurfaces({&plan, 1}).problem; };
   const SurfacePlan good{.name = "a", .flags = kSurfaceSoft, .vertex_capacity = 10, .triangle_capacity = 10};
   EXPECT_EQ(problem(good), "");
@@ -114,7 +114,7 @@ TEST(SurfaceLayout, NamesTheLimitThatIsExceeded) {
 }
 
 // Numbers of header and entries are spoiled, each in memory of exactly its size: a sanitizer sees a read beyond it.
-TEST(SurfaceLayout, GarbageIsRefusedOrSound) {
+TEST(SurfaceLayout, GarbageIsRejectedOrInBounds) {
   std::mt19937_64 random(2);
   std::size_t refused = 0, accepted = 0;
   for (int round = 0; round < 20'000; ++round) {
@@ -144,7 +144,7 @@ TEST(SurfaceLayout, GarbageIsRefusedOrSound) {
   EXPECT_GT(accepted, 2000U);
 }
 
-TEST(SurfaceRange, RefusesWhatCannotBeDrawn) {
+TEST(SurfaceRange, RejectsNonDrawableValues) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::vector<SurfacePoint> points(100, SurfacePoint{0.1f, -0.2f, 100});
   EXPECT_TRUE(InRange(points));

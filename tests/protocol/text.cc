@@ -8,7 +8,7 @@
 namespace omni::protocol {
 namespace test_protocol_text {
 
-TEST(Text, FitsAndIsTerminated) {
+TEST(Text, SetFieldTruncatesAndTerminates) {
   char field[8];
   SetField(field, "abc");
   EXPECT_STREQ(field, "abc");
@@ -18,7 +18,7 @@ TEST(Text, FitsAndIsTerminated) {
   EXPECT_STREQ(field, "");
 }
 
-TEST(Text, IsCutBetweenCharacters) {
+TEST(Text, SetFieldCutsBetweenCharacters) {
   char field[6];
   SetField(field, "abcd\xC3\xA9");  // the e acute would need bytes 5 and 6
   EXPECT_STREQ(field, "abcd");
@@ -26,20 +26,20 @@ TEST(Text, IsCutBetweenCharacters) {
   EXPECT_STREQ(field, "abc\xC3\xA9");
 }
 
-TEST(Text, EndsAtTheFirstNul) {
+TEST(Text, SetFieldStopsAtTheFirstNul) {
   char field[8];
   SetField(field, std::string_view("ab\0cd", 5));
   EXPECT_STREQ(field, "ab");
 }
 
-TEST(Text, KnowsItsEnd) {
+TEST(Text, IsTerminatedDetectsMissingNul) {
   const char open[3] = {'a', 'b', 'c'};
   const char closed[3] = {'a', 'b', 0};
   EXPECT_FALSE(IsTerminated(open));
   EXPECT_TRUE(IsTerminated(closed));
 }
 
-TEST(Text, PrintableKeepsTextAndReplacesTheRest) {
+TEST(Text, PrintableReplacesControlAndInvalidBytes) {
   EXPECT_EQ(Printable("touch 1.0 (d\xC3\xA9mo) \xE6\xBC\xA2 \xF0\x9F\x96\x8A"),
             "touch 1.0 (d\xC3\xA9mo) \xE6\xBC\xA2 \xF0\x9F\x96\x8A");
   EXPECT_EQ(Printable("a\x1B[31mb\n"), "a?[31mb?");  // terminal escape

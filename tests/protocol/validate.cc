@@ -74,7 +74,7 @@ TEST(MessageTable, AMessageOfTheOtherDirectionIsInvalid) {
   EXPECT_TRUE(std::holds_alternative<Notice>(ValidateFromServer(&notice, sizeof(notice))));
 }
 
-TEST(Validate, LetsEveryDefaultMessageThrough) {
+TEST(Validate, AcceptsDefaultMessages) {
   EXPECT_TRUE(std::holds_alternative<Hello>(Check(Hello{})));
   EXPECT_TRUE(std::holds_alternative<Welcome>(Check(GoodWelcome())));
   EXPECT_TRUE(std::holds_alternative<Reject>(Check(Reject{})));
@@ -89,7 +89,7 @@ TEST(Validate, LetsEveryDefaultMessageThrough) {
   EXPECT_TRUE(std::holds_alternative<SceneAnswer>(Check(SceneReply{})));
 }
 
-TEST(Validate, RefusesPlacementsOutsideTheirRange) {
+TEST(Validate, RejectsPlacementsOutOfRange) {
   const auto refused = [](auto message, auto change, const char* why) {
     EXPECT_EQ(ReasonFor(message), "accepted");
     change(message);
@@ -154,7 +154,7 @@ Waveform Pcm() {
   return waveform;
 }
 
-TEST(Validate, WaveformsWithTheirSamples) {
+TEST(Validate, AcceptsWaveformsWithTheirSamples) {
   const std::vector<float> samples{0, 0.25F, 1};
   const std::string packet = WaveformPacket(Waveform{}, samples);
   const Message message = Validate(packet.data(), packet.size());
@@ -166,7 +166,7 @@ TEST(Validate, WaveformsWithTheirSamples) {
   EXPECT_EQ(WaveformProblem(Waveform{}, std::vector<float>(kMaxWaveformSamples, 1)), "accepted");
 }
 
-TEST(Validate, WaveformsThatAreRefused) {
+TEST(Validate, RejectsWaveformsOutOfRange) {
   const auto expect = [](const Waveform& waveform, const std::vector<float>& samples, const char* words) {
     EXPECT_NE(WaveformProblem(waveform, samples).find(words), std::string::npos) << WaveformProblem(waveform, samples);
   };
@@ -201,7 +201,7 @@ TEST(Validate, WaveformsThatAreRefused) {
   EXPECT_TRUE(std::holds_alternative<Invalid>(message)) << "two samples announced, one there";
 }
 
-TEST(Validate, SceneAnswerIsTheReplyAndTheTextBehindIt) {
+TEST(Validate, SceneAnswerHoldsTheReplyAndItsText) {
   SceneReply reply;
   const std::string text = "clay: nothing to undo";
   reply.number = 7;
@@ -217,7 +217,7 @@ TEST(Validate, SceneAnswerIsTheReplyAndTheTextBehindIt) {
   EXPECT_NE(std::string(std::get<Invalid>(cut).reason).find("at least 32"), std::string::npos);
 }
 
-TEST(Validate, RefusesSceneMessagesOutsideTheirRange) {
+TEST(Validate, RejectsSceneMessagesOutOfRange) {
   SceneCommand command;
   command.action = static_cast<SceneAction>(0);
   EXPECT_NE(ReasonFor(command).find("action"), std::string::npos);
@@ -247,7 +247,7 @@ TEST(Validate, KeepsTheFields) {
   EXPECT_EQ(same->api_version_minor, 1u);
 }
 
-TEST(Validate, StatusReplyIsTheTextBehindTheHeader) {
+TEST(Validate, StatusReplyHoldsTheTextAfterTheHeader) {
   const std::string json = R"({"clients":[]})";
   MessageHeader header;
   header.type = MessageType::kStatusReply;
@@ -259,7 +259,7 @@ TEST(Validate, StatusReplyIsTheTextBehindTheHeader) {
   EXPECT_EQ(std::get<StatusReply>(message).json, json);
 }
 
-TEST(Validate, RefusesHeadersThatAreNotOurs) {
+TEST(Validate, RejectsInvalidHeaders) {
   Session session;
   const Message cut = Validate(&session, sizeof(MessageHeader) - 1);
   EXPECT_NE(std::string(std::get<Invalid>(cut).reason).find("shorter than a header"), std::string::npos);
@@ -280,7 +280,7 @@ TEST(Validate, RefusesHeadersThatAreNotOurs) {
   EXPECT_NE(std::string(std::get<Invalid>(Validate(huge.data(), huge.size())).reason).find("limit"), std::string::npos);
 }
 
-TEST(Validate, AnotherVersionIsNamedAsSuch) {
+TEST(Validate, ReportsOtherVersionsAsSuch) {
   Hello hello;
   hello.header.version = kProtocolVersion + 3;
   const Message message = Check(hello);
@@ -290,14 +290,14 @@ TEST(Validate, AnotherVersionIsNamedAsSuch) {
   EXPECT_EQ(invalid->version, kProtocolVersion + 3);
 }
 
-TEST(Validate, RejectIsUnderstoodInEveryVersion) {
+TEST(Validate, AcceptsRejectOfEveryVersion) {
   Reject reject;
   reject.header.version = kProtocolVersion + 1;
   reject.server_version = kProtocolVersion + 1;
   EXPECT_TRUE(std::holds_alternative<Reject>(Check(reject)));
 }
 
-TEST(Validate, RefusesEnumsOutsideTheirRange) {
+TEST(Validate, RejectsEnumsOutOfRange) {
   Hello hello;
   hello.role = static_cast<ClientRole>(0);
   EXPECT_NE(ReasonFor(hello).find("role"), std::string::npos);
@@ -311,7 +311,7 @@ TEST(Validate, RefusesEnumsOutsideTheirRange) {
   EXPECT_NE(ReasonFor(notice).find("level"), std::string::npos);
 }
 
-TEST(Validate, RefusesUnterminatedText) {
+TEST(Validate, RejectsUnterminatedText) {
   Hello hello;
   std::memset(hello.application, 'x', sizeof(hello.application));
   EXPECT_NE(ReasonFor(hello).find("application"), std::string::npos);
@@ -326,7 +326,7 @@ TEST(Validate, RefusesUnterminatedText) {
   EXPECT_NE(ReasonFor(notice).find("text"), std::string::npos);
 }
 
-TEST(Validate, RefusesHapticsOutsideTheirRange) {
+TEST(Validate, RejectsHapticsOutOfRange) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinite = std::numeric_limits<float>::infinity();
   const std::function<void(Haptic&)> faults[] = {
@@ -345,7 +345,7 @@ TEST(Validate, RefusesHapticsOutsideTheirRange) {
   EXPECT_EQ(ReasonFor(endless), "accepted");
 }
 
-TEST(Validate, RefusesWelcomesThatDoNotDescribeOurMemory) {
+TEST(Validate, RejectsWelcomeWithWrongMemorySizes) {
   Welcome welcome = GoodWelcome();
   welcome.client_id = 0;
   EXPECT_NE(ReasonFor(welcome).find("client_id"), std::string::npos);
@@ -357,7 +357,7 @@ TEST(Validate, RefusesWelcomesThatDoNotDescribeOurMemory) {
   EXPECT_NE(ReasonFor(welcome).find("life_bytes"), std::string::npos);
 }
 
-TEST(Validate, RefusesSurfacesThatCannotBe) {
+TEST(Validate, RejectsContradictorySurfaces) {
   SurfaceRequest request;
   request.wanted = 2;
   EXPECT_NE(ReasonFor(request).find("wanted"), std::string::npos);
@@ -372,7 +372,7 @@ TEST(Validate, RefusesSurfacesThatCannotBe) {
   EXPECT_NE(ReasonFor(surfaces).find("memory_generation"), std::string::npos);
 }
 
-TEST(Validate, NamesTypes) {
+TEST(Validate, TypeNameNamesKnownAndUnknownTypes) {
   EXPECT_STREQ(TypeName(MessageType::kHapticStop), "HapticStop");
   EXPECT_STREQ(TypeName(static_cast<MessageType>(0)), "unknown");
 }

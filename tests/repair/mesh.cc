@@ -227,7 +227,7 @@ double ForceAt(const Scene& scene, const Vec3& tip) {
   return Norm(pen.output.force_base_N);
 }
 
-TEST(RepairMesh, EveryDefectIsRepairedOrRefused) {
+TEST(RepairMesh, RepairsOrRejectsEveryDefect) {
   for (const Defect& defect : kDefects) {
     SCOPED_TRACE(defect.name);
     BuildReport report;
@@ -266,7 +266,7 @@ TEST(RepairMesh, EveryDefectIsRepairedOrRefused) {
   }
 }
 
-TEST(RepairMesh, EqualInputsGiveEqualBlocks) {
+TEST(RepairMesh, IsDeterministic) {
   for (const Defect& defect : kDefects) {
     if (defect.refusal) continue;
     const Scene a = Built(SceneOf(defect.make())), b = Built(SceneOf(defect.make()));
@@ -275,7 +275,7 @@ TEST(RepairMesh, EqualInputsGiveEqualBlocks) {
 }
 
 // Nested shells, each as its author meant it, then all inverted: the outside stays the outside.
-TEST(RepairMesh, NestedShellsAreTurnedFromTheOutside) {
+TEST(RepairMesh, OrientsNestedShellsFromTheOutside) {
   const auto shell = [](double r, bool turned) { return turned ? Turned(Sphere(8, r)) : Sphere(8, r); };
   struct Nest {
     bool turned[3];  // outermost first
@@ -304,7 +304,7 @@ TEST(RepairMesh, NestedShellsAreTurnedFromTheOutside) {
 }
 
 // Half shells whose rims do not meet (0.5 mm apart): open, each inside-out or not, two-sided but front outwards.
-TEST(RepairMesh, OpenPartsLookOutwardsToo) {
+TEST(RepairMesh, OrientsOpenPartsOutwards) {
   for (int turned = 0; turned < 4; ++turned) {
     const InputObject upper = Without(kBall, [](const Vec3& c) { return c.z < 0; });
     const InputObject lower = Without(kBall, [](const Vec3& c) { return c.z > 0; });
@@ -323,7 +323,7 @@ TEST(RepairMesh, OpenPartsLookOutwardsToo) {
   }
 }
 
-TEST(RepairMesh, WindingTreeAgreesWithTheSumOfSolidAngles) {
+TEST(RepairMesh, WindingTreeMatchesSumOfSolidAngles) {
   InputObject object = Periodic(40, 20, [](double u, double v) { return TorusPoint(0.02, 0.007, u, v); });
   Append(object, Without(kBall, [](const Vec3& c) { return c.x > 0.004; }), {0.03, 0, 0.01});
   RepairCounts counts;
@@ -341,7 +341,7 @@ TEST(RepairMesh, WindingTreeAgreesWithTheSumOfSolidAngles) {
 }
 
 // A soup of its own, as soft bodies are cut from: triangles without area, alone in a leaf too, have no effect.
-TEST(RepairMesh, WindingTreeBearsTrianglesWithoutArea) {
+TEST(RepairMesh, WindingTreeIgnoresDegenerateTriangles) {
   std::vector<Vec3> vertices = kBall.vertices_base_m;
   std::vector<std::array<std::uint32_t, 3>> triangles = kBall.triangles;
   const WindingTree whole(kBall.vertices_base_m, kBall.triangles);  // references its arguments
@@ -364,7 +364,7 @@ TEST(RepairMesh, WindingTreeBearsTrianglesWithoutArea) {
 }
 
 // A hole's filling keeps texture coordinates and materials per triangle, and snapping interpolates them.
-TEST(RepairMesh, WhatIsStoredPerTriangleFollowsEveryRepair) {
+TEST(RepairMesh, KeepsPerTriangleDataThroughEveryRepair) {
   InputObject object = TopFinerThanSides();
   object =
       Without(object, [](const Vec3& c) { return c.z > 0.0099 && c.x > 0 && c.x < 0.0025 && c.y > 0 && c.y < 0.0025; });

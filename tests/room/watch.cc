@@ -146,14 +146,14 @@ std::function<void(TruthParameters&)> SteelLater(double z_m) {
   };
 }
 
-TEST(RoomWatch, AGainThatIsWrongBlamesTheSensorOnceThePenWasAbout) {
+TEST(RoomWatch, WrongGainBlamesTheSensorOnlyAfterThePenMoved) {
   ExpectReported({.event = Fault(Kind::kGain, 3, 1.1)}, "sensor-wrong", {3},
                  {"sensor 3 reads wrong", "left out", "omni"});
   ExpectReported({.pen = Pen::kHeld, .event = Fault(Kind::kGain, 3, 1.1)}, "sensor-doubtful", {3},
                  {"sensor 3, or a magnet near it", "take magnets and steel away"});
 }
 
-TEST(RoomWatch, ASensorThatIsStuckIsNamedWithAPenAndWithout) {
+TEST(RoomWatch, StuckSensorIsReportedWithAndWithoutPen) {
   for (const Pen pen : {Pen::kWaved, Pen::kAway}) {
     SCOPED_TRACE(static_cast<int>(pen));
     ExpectReported({.pen = pen, .event = Fault(Kind::kStuck, 6)}, "sensor-repeats", {6},
@@ -161,11 +161,11 @@ TEST(RoomWatch, ASensorThatIsStuckIsNamedWithAPenAndWithout) {
   }
 }
 
-TEST(RoomWatch, AHugeReadingIsNamed) {
+TEST(RoomWatch, HugeReadingIsReported) {
   ExpectReported({.event = Fault(Kind::kHuge, 2, 1e-3)}, "sensor-wrong", {2}, {"sensor 2 reads wrong"});
 }
 
-TEST(RoomWatch, SensorsThatGiveNothingAreNamedWithAPenAndWithout) {
+TEST(RoomWatch, SilentSensorsAreReportedWithAndWithoutPen) {
   const auto five = [](TruthParameters& truth) {
     for (const int sensor : {0, 2, 3, 5, 7}) Fault(Kind::kStopped, sensor)(truth);
   };
@@ -177,19 +177,19 @@ TEST(RoomWatch, SensorsThatGiveNothingAreNamedWithAPenAndWithout) {
   }
 }
 
-TEST(RoomWatch, ASwappedPairIsNamed) {
+TEST(RoomWatch, SwappedSensorsAreReported) {
   ExpectReported({.event = Fault(Kind::kSwapped, 3, 0, 4)}, "sensors-swapped", {3, 4}, {"sensors 3 and 4 are swapped"});
   ExpectReported({.pen = Pen::kHeld, .event = Fault(Kind::kSwapped, 2, 0, 6)}, "sensors-swapped", {2, 6},
                  {"cables or addresses"});
 }
 
-TEST(RoomWatch, ASecondPenIsNamed) {
+TEST(RoomWatch, SecondPenIsReported) {
   ExpectReported({.pen = Pen::kHeld, .event = SecondPen(0.3)}, "magnet-near", {}, {"another magnet", "take it away"});
   ExpectReported({.event = SecondPen(0.2)}, "magnet-near", {}, {"another magnet", "take it away"});
 }
 
 // So near that the tracker may find no pose any more while the pen lies still: that is no misfit of the calibration.
-TEST(RoomWatch, ASecondPenThatHidesAHeldOneIsNamed) {
+TEST(RoomWatch, SecondPenThatHidesAHeldOneIsReported) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     for (const bool ideal : {false, true}) {
       SCOPED_TRACE(testing::Message() << seed << (ideal ? " ideal" : " room"));
@@ -199,7 +199,7 @@ TEST(RoomWatch, ASecondPenThatHidesAHeldOneIsNamed) {
   }
 }
 
-TEST(RoomWatch, ABaseThatWasTurnedIsNamedWithAPenAndWithout) {
+TEST(RoomWatch, TurnedBaseIsReportedWithAndWithoutPen) {
   for (const Pen pen : {Pen::kWaved, Pen::kAway}) {
     SCOPED_TRACE(static_cast<int>(pen));
     ExpectReported({.pen = pen, .event = AmbientStep}, "field-changed", {},
@@ -207,12 +207,12 @@ TEST(RoomWatch, ABaseThatWasTurnedIsNamedWithAPenAndWithout) {
   }
 }
 
-TEST(RoomWatch, SteelThatCameLaterIsNamed) {
+TEST(RoomWatch, SteelAddedLaterIsReported) {
   ExpectReported({.event = SteelLater(-0.2)}, "steel-near", {}, {"steel", "omni calibrate"});
 }
 
 // The pen itself, laid down beside the base, is reported neither as another magnet nor as another field.
-TEST(RoomWatch, AMagnetWithoutThePenIsNamedUnlessItIsAPen) {
+TEST(RoomWatch, MagnetIsReportedWithoutPenUnlessItIsThePenItself) {
   const auto at = [](base::Vec3 moment_Am2) {
     return [=](TruthParameters& truth) {
       truth.effects.room.magnets.push_back(
@@ -224,7 +224,7 @@ TEST(RoomWatch, AMagnetWithoutThePenIsNamedUnlessItIsAPen) {
   EXPECT_EQ(Watch({.pen = Pen::kAway, .event = at({0, 4 * pen_Am2, 0})}).kinds.count("field-uneven"), 1U);
 }
 
-TEST(RoomWatch, WhatIsGoneIsNoLongerTold) {
+TEST(RoomWatch, FindingIsClearedWhenItsCauseIsGone) {
   const auto comes_and_goes = [](TruthParameters& truth) {
     SecondPen(0.3)(truth);
     truth.effects.room.magnets.push_back({.moment_Am2 = {-0.7, -0.5, -0.3},
@@ -242,7 +242,7 @@ class RoomWatchAtPeace : public testing::TestWithParam<std::tuple<bool, Pen>> {}
 INSTANTIATE_TEST_SUITE_P(IdealAndRoom, RoomWatchAtPeace,
                          testing::Combine(testing::Bool(), testing::Values(Pen::kWaved, Pen::kAway)));
 
-TEST_P(RoomWatchAtPeace, NothingIsSaidInAnUndisturbedRoom) {
+TEST_P(RoomWatchAtPeace, UndisturbedRoomHasNoFindings) {
   const auto [ideal, pen] = GetParam();
   const Reported told = Watch({.seed = 7, .ideal = ideal, .pen = pen, .run_s = 30});
   EXPECT_TRUE(told.kinds.empty()) << *told.kinds.begin();

@@ -17,7 +17,7 @@ void ExpectRefused(const Loaded& loaded, const std::string& part) {
   EXPECT_NE(loaded.result.error().find(part), std::string::npos) << loaded.result.error() << "\nexpected: " << part;
 }
 
-TEST(SceneBadInput, FilesThatAreNone) {
+TEST(SceneBadInput, RejectsMissingEmptyAndNonGltfFiles) {
   const TempFolder folder;
   ExpectRefused(Load(folder.Path("nothing.glb")), "nothing.glb: cannot be opened (No such file");
   ExpectRefused(Load(folder.Path()), "is not a regular file");
@@ -37,7 +37,7 @@ TEST(SceneBadInput, EveryTruncationIsRefused) {
   }
 }
 
-TEST(SceneBadInput, HeadersThatLie) {
+TEST(SceneBadInput, RejectsInconsistentGlbHeaders) {
   std::string bytes = Tetra().Bytes();
   const auto with = [&bytes](std::size_t at, std::uint32_t value) {
     return std::string(bytes).replace(at, 4, Word(value));
@@ -52,7 +52,7 @@ TEST(SceneBadInput, HeadersThatLie) {
   ExpectRefused(LoadBytes(bytes, options), "the limit is 100");
 }
 
-TEST(SceneBadInput, JsonBombs) {
+TEST(SceneBadInput, RejectsDeepDuplicateAndIncompleteJson) {
   const TempFolder folder;
   const std::string deep = R"({"asset":{"version":"2.0"},"x":)" + std::string(1'000'000, '[');
   ExpectRefused(Load(folder.Write("deep.gltf", deep)), "nested deeper than 128");
@@ -69,7 +69,7 @@ struct Change {
   const char* refusal;
 };
 
-TEST(SceneBadInput, EachFieldThatIsWrongIsNamed) {
+TEST(SceneBadInput, ErrorNamesTheInvalidField) {
   const Change kChanges[] = {
       {"/scene", "7", "/scene"},
       {"/scenes/0/nodes", "[0, 0]", "/nodes/0: is reached twice"},
@@ -150,7 +150,7 @@ TEST(SceneBadInput, EachFieldThatIsWrongIsNamed) {
   }
 }
 
-TEST(SceneBadInput, DracoIsNamedUnlessPlainDataIsThere) {
+TEST(SceneBadInput, RejectsDracoIfRequired) {
   Model model = Tetra();
   model.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}};
   EXPECT_TRUE(LoadBytes(model.Bytes()).result.ok());
@@ -158,7 +158,7 @@ TEST(SceneBadInput, DracoIsNamedUnlessPlainDataIsThere) {
   ExpectRefused(LoadBytes(model.Bytes()), "KHR_draco_mesh_compression is not supported");
 }
 
-TEST(SceneBadInput, NotANumberIsFoundBeforeTheTickSeesIt) {
+TEST(SceneBadInput, RejectsNonFinitePositions) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30F}) {
     Model model = Tetra();
     std::vector<float> positions = TetraPositions();
@@ -168,7 +168,7 @@ TEST(SceneBadInput, NotANumberIsFoundBeforeTheTickSeesIt) {
   }
 }
 
-TEST(SceneBadInput, DeepAndWideHierarchiesHaveALimit) {
+TEST(SceneBadInput, LimitsHierarchyDepthAndNodeCount) {
   Model model = Tetra();
   model.json["nodes"] = Json::array();
   for (int i = 0; i < 70; ++i) model.json["nodes"].push_back({{"children", {i + 1}}});
@@ -181,7 +181,7 @@ TEST(SceneBadInput, DeepAndWideHierarchiesHaveALimit) {
   ExpectRefused(LoadBytes(model.Bytes(), options), "has 71 nodes, the limit is 10");
 }
 
-TEST(SceneBadInput, CirclesWithoutAScene) {
+TEST(SceneBadInput, RejectsNodeCyclesWithoutAScene) {
   Model model = Tetra();
   model.json.erase("scene");
   model.json.erase("scenes");
@@ -189,7 +189,7 @@ TEST(SceneBadInput, CirclesWithoutAScene) {
   ExpectRefused(LoadBytes(model.Bytes()), "has no root");
 }
 
-TEST(SceneBadInput, ALinkBesideTheFileIsNotFollowed) {
+TEST(SceneBadInput, DoesNotFollowSymlinkedBuffers) {
   const TempFolder folder, elsewhere;
   Model model = Tetra();
   const std::string secret = elsewhere.Write("secret.bin", model.bin);
@@ -198,7 +198,7 @@ TEST(SceneBadInput, ALinkBesideTheFileIsNotFollowed) {
   ExpectRefused(Load(folder.Write("a.gltf", model.json.dump())), "/buffers/0/uri");
 }
 
-TEST(SceneBadInput, ManyInstancesOfABigMeshHaveALimit) {
+TEST(SceneBadInput, LimitsTrianglesOverAllInstances) {
   Model model = Tetra();
   std::vector<std::uint16_t> indices;
   for (int i = 0; i < 5000; ++i) indices.insert(indices.end(), {0, 1, 2});
@@ -214,7 +214,7 @@ TEST(SceneBadInput, ManyInstancesOfABigMeshHaveALimit) {
 }
 
 // Refused by its counts, before memory or time is spent; the same for many instances of one.
-TEST(SceneBadInput, FiftyMillionTrianglesAreRefusedAtOnce) {
+TEST(SceneBadInput, RejectsFiftyMillionTrianglesImmediately) {
   const TempFolder folder;
   Model model = Tetra();
   model.json["accessors"][1]["count"] = 150'000'000;
@@ -233,7 +233,7 @@ TEST(SceneBadInput, FiftyMillionTrianglesAreRefusedAtOnce) {
   EXPECT_LT(seconds, 0.1);
 }
 
-TEST(SceneBadInput, WhatCannotBeBuiltNamesItsNode) {
+TEST(SceneBadInput, BuildErrorNamesTheNode) {
   const TempFolder folder;
   Model model = Tetra();
   model.json["nodes"][0]["scale"] = {1000, 1000, 1000};
@@ -244,7 +244,7 @@ TEST(SceneBadInput, WhatCannotBeBuiltNamesItsNode) {
   EXPECT_NE(scene.error().find("far.glb: object 0 \"tetra\" (/nodes/0): vertex"), std::string::npos) << scene.error();
 }
 
-TEST(SceneBadInput, NothingToFit) {
+TEST(SceneBadInput, RejectsFitOfAZeroSizeModel) {
   Model model = Tetra();
   model.bin = Bytes(std::vector<float>(12, 0.05F)) + Bytes(TetraIndices());
   LoadOptions options = kTouchAll;

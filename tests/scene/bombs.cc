@@ -69,7 +69,7 @@ void ExpectCostGrowsAsSize(const char* name, const Document& one, const Document
   EXPECT_LT(eight_s, 20 * one_s + 1e-3) << name << ": " << one_s << " s, then " << eight_s << " s";
 }
 
-TEST(SceneBombs, CostGrowsAsTheFileDoes) {
+TEST(SceneBombs, TimeGrowsLinearlyWithFileSize) {
   constexpr std::size_t kBytes = 50'000;
   for (const Bomb& bomb : kSceneBombs)
     ExpectCostGrowsAsSize(bomb.name, Document(bomb.make(kBytes)), Document(bomb.make(8 * kBytes)));
@@ -91,7 +91,7 @@ TEST(SceneBombs, MemoryIsBoundedByTheFile) {
 }
 
 // 48 MB of texts, and all the others, where there is memory for some of it only.
-TEST(SceneBombs, TooLittleMemoryIsAnErrorAndNotTheEnd) {
+TEST(SceneBombs, OutOfMemoryIsAnErrorNotACrash) {
   if (!omni::test::kMemoryCounts) GTEST_SKIP() << "the sanitizer takes memory of its own";
   const Document texts(kSceneBombs[2].make(48'000'000));
   EXPECT_EQ(RunInChild(800, [&] { return texts.Load().ok() ? 1 : 0; }).status, 0);
@@ -107,7 +107,7 @@ TEST(SceneBombs, TooLittleMemoryIsAnErrorAndNotTheEnd) {
   }
 }
 
-TEST(SceneBombs, HonestNodesLoadAtACostThatGrowsAsTheirNumber) {
+TEST(SceneBombs, LoadingNodesTakesLinearTime) {
   const Document all(omni::test::bombs::HonestNodes(100'000));
   const base::Result<haptics::Scene> scene = all.Load();
   ASSERT_TRUE(scene.ok()) << scene.error();

@@ -38,7 +38,7 @@ std::string OnlyFile(const std::string& folder) {
 
 std::span<const std::byte> AsBytes(const std::string& text) { return std::as_bytes(std::span(text)); }
 
-TEST(SceneCache, DigestIsSha256) {  // vectors of FIPS 180-4's examples
+TEST(SceneCache, DigestMatchesFips180Vectors) {  // vectors of FIPS 180-4's examples
   EXPECT_EQ(Hex(Sha256().Finish()), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   Sha256 abc;
   abc.Add(AsBytes("abc"));
@@ -52,7 +52,7 @@ TEST(SceneCache, DigestIsSha256) {  // vectors of FIPS 180-4's examples
   EXPECT_EQ(Hex(million.Finish()), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
-TEST(SceneCache, GivesBackWhatWasPut) {
+TEST(SceneCache, ReturnsStoredBlocks) {
   const TempFolder folder;
   CacheStore store(folder.Path("a/omni"));
   ASSERT_EQ(store.problem(), "");
@@ -74,7 +74,7 @@ TEST(SceneCache, GivesBackWhatWasPut) {
   EXPECT_FALSE(store.Get(Key(1), damage));
 }
 
-TEST(SceneCache, EveryChangedByteAndEveryLengthIsFound) {
+TEST(SceneCache, DetectsAnyChangedByteOrLength) {
   const TempFolder folder;
   CacheStore store(folder.Path("omni"));
   std::string damage;
@@ -102,7 +102,7 @@ TEST(SceneCache, EveryChangedByteAndEveryLengthIsFound) {
   EXPECT_TRUE(store.Get(Key(1), damage)) << damage;
 }
 
-TEST(SceneCache, WhatWasNotUsedLongestGoesFirst) {
+TEST(SceneCache, EvictsLeastRecentlyUsedFirst) {
   const TempFolder folder;
   CacheStore store(folder.Path("omni"), 3500);
   std::string damage;
@@ -122,7 +122,7 @@ TEST(SceneCache, WhatWasNotUsedLongestGoesFirst) {
   EXPECT_TRUE(store.Get(Key(4), damage));
 }
 
-TEST(SceneCache, AFolderThatCannotBeUsedLeavesItOff) {
+TEST(SceneCache, UnusableFolderDisablesTheCache) {
   const TempFolder folder;
   std::string damage;
   const std::string file = folder.Write("file", "x");
@@ -140,7 +140,7 @@ TEST(SceneCache, AFolderThatCannotBeUsedLeavesItOff) {
   }
 }
 
-TEST(SceneCache, TwoProcessesAtOnce) {
+TEST(SceneCache, TwoProcessesShareTheCache) {
   const TempFolder folder;
   const std::string place = folder.Path("omni");
   const auto work = [&](std::uint8_t self) {
@@ -211,7 +211,7 @@ bool Same(const haptics::Scene& a, const haptics::Scene& b) {
   return std::equal(a.block().begin(), a.block().end(), b.block().begin(), b.block().end());
 }
 
-TEST(SceneCache, ACachedSceneIsTheBuiltOneWithItsReports) {
+TEST(SceneCache, CachedSceneAndReportsMatchTheBuiltOnes) {
   const TempFolder folder;
   CacheStore cache(folder.Path("omni"));
   Model model = Ball(60);
@@ -235,7 +235,7 @@ TEST(SceneCache, ACachedSceneIsTheBuiltOneWithItsReports) {
   EXPECT_FALSE(LoadBy(cache, folder.Write("ball.glb", model.Bytes())).load.cached);
 }
 
-TEST(SceneCache, SmallScenesAreNotKept) {
+TEST(SceneCache, SmallScenesAreNotCached) {
   const TempFolder folder;
   CacheStore cache(folder.Path("omni"));
   const LoadedByCache loaded = LoadBy(cache, folder.Write("small.glb", Tetra().Bytes()), kTouchAll);
@@ -243,7 +243,7 @@ TEST(SceneCache, SmallScenesAreNotKept) {
   EXPECT_EQ(cache.Use().files, 0U);
 }
 
-TEST(SceneCache, ADamagedFileIsBuiltAnewAndSaysSo) {
+TEST(SceneCache, DamagedEntryIsRebuiltAndReported) {
   const TempFolder folder;
   CacheStore cache(folder.Path("omni"));
   const std::string file = folder.Write("ball.glb", Ball(60).Bytes());
@@ -259,7 +259,7 @@ TEST(SceneCache, ADamagedFileIsBuiltAnewAndSaysSo) {
   EXPECT_TRUE(LoadBy(cache, file).load.cached);
 }
 
-TEST(SceneCache, AnUntaggedFileIsSkipped) {
+TEST(SceneCache, UntaggedFileIsSkippedUnlessRequested) {
   const TempFolder folder;
   CacheStore cache(folder.Path("omni"));
   Model model = Tetra();

@@ -310,7 +310,7 @@ std::string WriteAs(std::size_t container, Model model, const TempFolder& folder
   return folder.Write("model.gltf", model.json.dump());
 }
 
-TEST(SceneDecodeJudge, GeneratedModelsAreReadAsByTinyGltf) {
+TEST(SceneDecodeJudge, GeneratedModelsMatchTinyGltf) {
   const TempFolder folder;
   Compared compared;
   for (unsigned seed = 0; seed < 300; ++seed) {
@@ -325,7 +325,7 @@ TEST(SceneDecodeJudge, GeneratedModelsAreReadAsByTinyGltf) {
   EXPECT_GT(compared.colours, 5'000U);
 }
 
-TEST(SceneDecodeJudge, ShippedScenesAreReadAsByTinyGltf) {
+TEST(SceneDecodeJudge, ShippedScenesMatchTinyGltf) {
   for (const char* name : {"dragon", "extrusion", "racetrack"}) {
     Compared compared;
     ExpectSame(std::string(OMNI_BINARY_DIR "/share/omni/scenes/") + name + ".glb", compared);

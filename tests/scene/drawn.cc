@@ -72,7 +72,7 @@ TEST(SceneDrawn, ColoursOfMaterialAndVerticesMultiply) {
   EXPECT_EQ(Drawn(model)->parts[0].colours[0], (base::Vec3{1, 1, 0})) << "white, where the vertices have colours";
 }
 
-TEST(SceneDrawn, NormalsAreTurnedWithTheirNodeAlsoWhenItIsMirroredAndStretched) {
+TEST(SceneDrawn, NormalsFollowMirroredAndStretchedNodes) {
   Model model = Tetra();
   // Outward from the middle; bytes, as quantised files have them.
   const std::size_t normals =
@@ -101,7 +101,7 @@ TEST(SceneDrawn, NormalsAreTurnedWithTheirNodeAlsoWhenItIsMirroredAndStretched) 
   EXPECT_NEAR(sharp.x / sharp.z, 1.0 / 3, 0.02) << "stretched three times along, the normal leans away";
 }
 
-TEST(SceneDrawn, WindingFollowsAMirroringNode) {
+TEST(SceneDrawn, WindingStaysOutwardUnderMirroringNodes) {
   Model model = Tetra();
   ExpectOutward(Drawn(model)->parts[0]);
   for (const Json& matrix : {Json{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1}}) {  // swaps x and z
@@ -112,7 +112,7 @@ TEST(SceneDrawn, WindingFollowsAMirroringNode) {
   }
 }
 
-TEST(SceneDrawn, EveryNodeAndInstanceIsThere) {
+TEST(SceneDrawn, ContainsEveryNodeAndInstance) {
   Model model = Tetra();
   const std::size_t places = AddAccessor(model, Bytes(std::vector<float>{0, 0, 0, 0, 0.1F, 0, 0, 0.2F, 0}),
                                          {{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
@@ -126,7 +126,7 @@ TEST(SceneDrawn, EveryNodeAndInstanceIsThere) {
   EXPECT_NEAR(scene->parts[3].positions_base_m[0].z - scene->parts[0].positions_base_m[0].z, 1.2, 1e-6);
 }
 
-TEST(SceneDrawn, WhatIsNotDrawnIsSaid) {
+TEST(SceneDrawn, NotesListWhatIsNotDrawn) {
   Model model = Tetra();
   model.json["nodes"][0]["skin"] = 0;
   model.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};

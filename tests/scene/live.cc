@@ -52,7 +52,7 @@ std::uint64_t GenerationOf(const Scene& scene) {
   return scene.live()->sculpt_session_at(0).editor().publisher().generation();
 }
 
-TEST(LiveScene, GetsItsBodiesFromTheCacheToo) {
+TEST(LiveScene, CachedSoftBodiesMatchBuiltOnes) {
   const test::TempFolder folder;
   CacheStore cache(folder.Path("cache"));
   Scene scenes[] = {Built(JellyAndClay()), Built(JellyAndClay()), Built(JellyAndClay())};
@@ -66,7 +66,7 @@ TEST(LiveScene, GetsItsBodiesFromTheCacheToo) {
   }
 }
 
-TEST(LiveScene, WithoutTagsGetsNothing) {
+TEST(LiveScene, UntaggedSceneHasNoLiveParts) {
   Scene scene = Built(SceneOf(Sphere(8, 0.01)));
   const LiveReport report = LoadLive(scene, nullptr);
   EXPECT_EQ(report.soft_bodies + report.sculpt_sessions, 0U);
@@ -74,7 +74,7 @@ TEST(LiveScene, WithoutTagsGetsNothing) {
 }
 
 // The block that was formed stays formed; its copy is as it was, with the same soft body, and so is each run in a copy.
-TEST(LiveScene, ACopyStartsAsTheSceneDid) {
+TEST(LiveScene, FreshCopyStartsInTheInitialState) {
   Scene scene = Built(JellyAndClay());
   ASSERT_TRUE(LoadLive(scene, nullptr, kTets).lines.empty());
   const Scene copy = FreshCopy(scene);

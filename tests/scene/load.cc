@@ -9,7 +9,7 @@
 namespace omni::scene::test {
 namespace test_scene_load {
 
-TEST(SceneLoad, TetraIsReadInTheBaseFrame) {
+TEST(SceneLoad, ConvertsToTheBaseFrame) {
   Loaded loaded = LoadBytes(Tetra().Bytes());
   ASSERT_TRUE(loaded.result.ok()) << loaded.result.error();
   ASSERT_EQ(loaded.scene().objects.size(), 1U);
@@ -29,7 +29,7 @@ TEST(SceneLoad, TetraIsReadInTheBaseFrame) {
   EXPECT_TRUE(found);
 }
 
-TEST(SceneLoad, TransformsOfParentsApplyAndAMirrorKeepsTheOutside) {
+TEST(SceneLoad, ParentTransformsApplyAndMirroringKeepsOrientation) {
   Model model = Tetra();
   model.json["nodes"] = Json::parse(R"([{"children": [1], "translation": [0.1, 0, 0]},
     {"children": [2], "rotation": [0, 0.70710678, 0, 0.70710678]}, {"mesh": 0, "name": "deep", "scale": [-2, 2, 2]}])");
@@ -84,7 +84,7 @@ TEST(SceneLoad, PointsAndLinesAreSkippedAndExplained) {
   EXPECT_TRUE(explained);
 }
 
-TEST(SceneLoad, WithoutIndicesVerticesComeInThrees) {
+TEST(SceneLoad, NonIndexedVerticesFormTriangles) {
   Model model = Tetra();
   std::vector<float> positions;
   for (const std::uint16_t i : TetraIndices()) {
@@ -100,7 +100,7 @@ TEST(SceneLoad, WithoutIndicesVerticesComeInThrees) {
   EXPECT_NEAR(SignedVolume6(loaded.scene().objects[0]), 1e-6, 1e-12);
 }
 
-TEST(SceneLoad, SparseValuesReplaceWhatTheBufferSays) {
+TEST(SceneLoad, SparseValuesOverrideTheBuffer) {
   Model model = Tetra();
   model.bin += Bytes(std::vector<std::uint8_t>{2, 0, 0, 0}) + Bytes(std::vector<float>{0, 0.065F, 0});
   model.json["buffers"][0]["byteLength"] = model.bin.size();
@@ -113,7 +113,7 @@ TEST(SceneLoad, SparseValuesReplaceWhatTheBufferSays) {
   EXPECT_NEAR(SignedVolume6(loaded.scene().objects[0]), 2e-6, 1e-12);
 }
 
-TEST(SceneLoad, QuantisedInterleavedPositions) {
+TEST(SceneLoad, ReadsQuantisedInterleavedPositions) {
   Model model = Tetra();
   std::vector<std::int16_t> rows;  // x y z and one word of something else
   for (const auto& [x, y, z] : {std::array{0, 0, 0}, {32767, 0, 0}, {0, 32767, 0}, {0, 0, 32767}}) {
@@ -129,7 +129,7 @@ TEST(SceneLoad, QuantisedInterleavedPositions) {
   EXPECT_NEAR(SignedVolume6(loaded.scene().objects[0]), 1e-6, 1e-12);
 }
 
-TEST(SceneLoad, ReadsOnlyTheBytesThatTouchNeeds) {
+TEST(SceneLoad, ReadsOnlyTheBytesHapticsNeeds) {
   Model model = Tetra();
   model.bin += std::string(1'000'000, 'x');
   model.json["buffers"][0]["byteLength"] = model.bin.size();
@@ -143,7 +143,7 @@ TEST(SceneLoad, ReadsOnlyTheBytesThatTouchNeeds) {
   EXPECT_EQ(loaded.report.rows[0].bytes, 72U);
 }
 
-TEST(SceneLoad, GltfWithADataUriAndWithAFileBesideIt) {
+TEST(SceneLoad, ReadsGltfWithDataUriOrExternalBuffer) {
   const TempFolder folder;
   Model model = Tetra();
   model.json["buffers"][0]["uri"] = "tetra%20data.bin";
@@ -170,7 +170,7 @@ TEST(SceneLoad, NodesOutsideTheSceneAreNotRead) {
   EXPECT_EQ(loaded.scene().objects.size(), 1U);
 }
 
-TEST(SceneLoad, MoreObjectsThanHapticsHoldsAreJoined) {
+TEST(SceneLoad, ObjectsBeyondTheLimitAreJoined) {
   Model model = Tetra();
   constexpr std::size_t kNodes = 150;
   for (std::size_t i = 1; i < kNodes; ++i) {
@@ -188,7 +188,7 @@ TEST(SceneLoad, MoreObjectsThanHapticsHoldsAreJoined) {
   EXPECT_EQ(triangles, 4 * kNodes);
 }
 
-TEST(SceneLoad, InstancesStandWhereTheirTransformsSay) {
+TEST(SceneLoad, InstancesAreTransformed) {
   Model model = Tetra();
   const std::vector<float> shifts = {0, 0, 0, 0.02F, 0, 0, 0, 0, -0.03F};
   const std::vector<std::int16_t> turns = {0, 0, 0, 32767, 0, 32767, 0, 0, 0, 0, 0, 32767};  // the second: half about y
@@ -233,7 +233,7 @@ TEST(SceneLoad, InstancesStandWhereTheirTransformsSay) {
   EXPECT_NE(uneven.result.error().find("/nodes/0/extensions/EXT_mesh_gpu_instancing"), std::string::npos);
 }
 
-TEST(SceneLoad, FitBringsAnySizeOverTheHull) {
+TEST(SceneLoad, FitScalesAnySizeAboveTheHull) {
   for (const double size : {1e-6, 1.0, 3e4}) {
     Model model = Tetra();
     model.json["nodes"][0]["scale"] = {size, size, size};
@@ -256,7 +256,7 @@ TEST(SceneLoad, FitBringsAnySizeOverTheHull) {
   }
 }
 
-TEST(SceneLoad, OptionsScaleAndMove) {
+TEST(SceneLoad, ScaleAndOffsetOptionsApply) {
   LoadOptions options = kTouchAll;
   options.scale = 2;
   options.offset_base_m = {0.5, 0, 0};

@@ -118,7 +118,7 @@ void Record(std::size_t files, std::size_t refused) {
   testing::Test::RecordProperty("refused", static_cast<int>(refused));
 }
 
-TEST(SceneMutations, DamagedBytes) {
+TEST(SceneMutations, DamagedBytesLoadOrAreRejected) {
   const TempFolder folder;
   Damage damage(11);
   const std::string models[] = {Tetra().Bytes(), Rich().Bytes()};
@@ -133,7 +133,7 @@ TEST(SceneMutations, DamagedBytes) {
   EXPECT_LT(refused, files);
 }
 
-TEST(SceneMutations, DamagedMeaning) {
+TEST(SceneMutations, DamagedJsonValuesLoadOrAreRejected) {
   const TempFolder folder;
   Damage damage(12);
   const Model models[] = {Tetra(), Rich()};
@@ -151,7 +151,7 @@ TEST(SceneMutations, DamagedMeaning) {
   EXPECT_LT(refused, files);
 }
 
-TEST(SceneMutations, DamagedScenes) {
+TEST(SceneMutations, DamagedShippedScenesLoadOrAreRejected) {
   const TempFolder folder;
   Damage damage(13);
   std::size_t refused = 0;
@@ -197,7 +197,7 @@ void ExpectSoundForces(const haptics::Scene& scene, Damage& damage) {
   }
 }
 
-TEST(SceneMutations, DamagedBlocks) {
+TEST(SceneMutations, DamagedBlocksAreRejectedOrGiveBoundedForces) {
   Loaded loaded = Load(std::string(OMNI_SOURCE_DIR) + "/scenes/racetrack.glb");
   ASSERT_TRUE(loaded.result.ok());
   haptics::BuildReport report;

@@ -29,7 +29,7 @@ bool Equal(const haptics::SoftBody& a, const haptics::SoftBody& b) {
   return std::equal(a.bytes().begin(), a.bytes().end(), b.bytes().begin(), b.bytes().end());
 }
 
-TEST(SoftBodyCache, TheSecondTimeItIsRead) {
+TEST(SoftBodyCache, SecondLoadIsReadFromTheCache) {
   const test::TempFolder folder;
   CacheStore cache(folder.Path("omni"));
   SoftLoadReport first, second, other;
@@ -53,7 +53,7 @@ TEST(SoftBodyCache, TheSecondTimeItIsRead) {
   EXPECT_EQ(cache.Use().files, 3U);
 }
 
-TEST(SoftBodyCache, WhatIsDamagedIsBuiltAnew) {
+TEST(SoftBodyCache, DamagedEntryIsRebuilt) {
   const test::TempFolder folder;
   CacheStore cache(folder.Path("omni"));
   SoftLoadReport report;
@@ -70,7 +70,7 @@ TEST(SoftBodyCache, WhatIsDamagedIsBuiltAnew) {
   EXPECT_TRUE(report.cached) << "kept again";
 }
 
-TEST(SoftBodyCache, WhatWasCancelledLeavesNothing) {
+TEST(SoftBodyCache, CancelledBuildLeavesNoEntry) {
   const test::TempFolder folder;
   CacheStore cache(folder.Path("omni"));
   SoftLoadReport report;

@@ -11,7 +11,7 @@ namespace test_scene_tags {
 
 bool Has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-TEST(SceneTags, WithoutATagEverythingHasTheDefaultMaterial) {
+TEST(SceneTags, UntaggedFileGetsTheDefaultMaterial) {
   Loaded loaded = LoadBytes(Tetra().Bytes());
   ASSERT_TRUE(loaded.result.ok());
   EXPECT_EQ(loaded.scene().materials[0].stiffness_N_m, haptics::Material{}.stiffness_N_m);
@@ -19,7 +19,7 @@ TEST(SceneTags, WithoutATagEverythingHasTheDefaultMaterial) {
   EXPECT_TRUE(Has(loaded.report.rows[0].why, "default material")) << loaded.report.rows[0].why;
 }
 
-TEST(SceneTags, WithOneTagTheUntaggedAreNotTouched) {
+TEST(SceneTags, UntaggedObjectsAreSkippedIfAnyIsTagged) {
   Model model = Tetra();
   model.json["nodes"].push_back({{"mesh", 0}, {"name", "tagged"}, {"extras", {{"haptic", true}}}});
   model.json["scenes"][0]["nodes"] = {0, 1};
@@ -44,7 +44,7 @@ TEST(SceneTags, EveryKeyReachesItsField) {
   }
 }
 
-TEST(SceneTags, StrongerPlacesWinKeyByKey) {
+TEST(SceneTags, PrecedenceOfTagPlacesAppliesPerKey) {
   Model model = Tetra();
   const auto put = [&model](int places) {
     model = Tetra();
@@ -81,7 +81,7 @@ TEST(SceneTags, StrongerPlacesWinKeyByKey) {
   }
 }
 
-TEST(SceneTags, TheOlderSpellingOfTheMpegExtensionIsRead) {
+TEST(SceneTags, ReadsOlderSpellingOfTheMpegExtension) {
   Model model = Tetra();
   model.json["extensions"]["MPEG_material_haptic"]["materials"] = Json::parse(
       R"([{"stiffness": [{"texture": {"index": 0}}], "extensions": {"OMNI_haptic_material": {"stiffness": 123}}}])");
@@ -93,7 +93,7 @@ TEST(SceneTags, TheOlderSpellingOfTheMpegExtensionIsRead) {
       << "there is no texture 0";
 }
 
-TEST(SceneTags, OutOfRangeIsClampedWithThePointer) {
+TEST(SceneTags, OutOfRangeValuesAreClampedWithAWarning) {
   for (const auto& row : base::kMaterialFields) {
     for (const double value : {row.minimum - 1, row.maximum * 2 + 1}) {
       Model model = Tetra();
@@ -108,7 +108,7 @@ TEST(SceneTags, OutOfRangeIsClampedWithThePointer) {
   }
 }
 
-TEST(SceneTags, UnknownKeysAndWrongTypesAreWarnedOfAndTheDefaultStays) {
+TEST(SceneTags, UnknownKeysAndWrongTypesWarnAndKeepDefaults) {
   Model model = Tetra();
   model.json["nodes"][0]["extras"]["haptic"] =
       Json::parse(R"({"stifness": 5, "stiffness": "hard", "damping": null, "softness": 7, "magnet": {"range": []},
@@ -136,7 +136,7 @@ TEST(SceneTags, DynamicFrictionStaysBelowStatic) {
   EXPECT_TRUE(Has(loud.Warnings(), "dynamicFriction 0.9 is above staticFriction 0.2"));
 }
 
-TEST(SceneTags, ExtrudeAndSoftnessInAllTheirForms) {
+TEST(SceneTags, ReadsEveryFormOfExtrudeAndSoftness) {
   const struct {
     const char* tag;
     bool extrude;
@@ -159,7 +159,7 @@ TEST(SceneTags, ExtrudeAndSoftnessInAllTheirForms) {
   }
 }
 
-TEST(SceneTags, FlatKeysOfAnEditor) {
+TEST(SceneTags, ReadsFlatDottedKeys) {
   Model model = Tetra();
   model.json["materials"][0]["extras"] =
       Json::parse(R"({"haptic.extrude": 1, "haptic.softness.model": "winkler", "haptic.stiffness": 250, "colour": 3})");
@@ -171,7 +171,7 @@ TEST(SceneTags, FlatKeysOfAnEditor) {
   EXPECT_TRUE(loaded.report.warnings.empty()) << loaded.Warnings();
 }
 
-TEST(SceneTags, RolesDecideWhatIsRead) {
+TEST(SceneTags, RolesDecideWhatANodeBecomes) {
   Model model = Tetra();
   model.json["nodes"] = Json::parse(R"([
     {"name": "solid", "mesh": 0, "extras": {"haptic": {"doubleSided": true}}},
@@ -214,7 +214,7 @@ TEST(SceneTags, RolesDecideWhatIsRead) {
   EXPECT_TRUE(Has(loaded.Warnings(), "/nodes/6/extras/haptic/stiffness: is not a key"));
 }
 
-TEST(SceneTags, SculptKinematicTipAndFibres) {
+TEST(SceneTags, ReadsSculptKinematicTipAndFibreKeys) {
   Model model = Tetra();
   model.json["scenes"][0]["extras"]["haptic"]["tip"]["radius"] = 0.0015;
   model.json["nodes"][0]["rotation"] = {0, 0, 0.7071067811865476, 0.7071067811865476};  // x -> y of the file
@@ -250,7 +250,7 @@ TEST(SceneTags, SculptKinematicTipAndFibres) {
   EXPECT_TRUE(loaded.scene().objects[0].kinematic);
 }
 
-TEST(SceneTags, ContradictionsAreSettledAndSaid) {
+TEST(SceneTags, ContradictoryTagsAreResolvedWithAWarning) {
   struct Case {
     const char* tag;
     const char* warning;
@@ -287,7 +287,7 @@ const Json* SchemaRow(const Json& properties, const std::string& path) {
   return SchemaRow(object.at("properties"), path.substr(dot + 1));
 }
 
-TEST(SceneTags, SchemaAndDocumentHaveTheWords) {
+TEST(SceneTags, SchemaAndDocumentListEnumWords) {
   const std::string root = OMNI_SOURCE_DIR;
   const Json schema = Json::parse(ReadAll(root + "/scenes/schema/OMNI_haptic_material.schema.json"));
   const std::string page = ReadAll(root + "/docs/scenes.md");

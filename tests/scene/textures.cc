@@ -112,7 +112,7 @@ std::string WarningsOf(const Rendered& rendered) {
   return all;
 }
 
-TEST(SceneTextures, RedChannelLinearBilinear) {
+TEST(SceneTextures, SamplesRedChannelBilinearly) {
   const Rendered rendered = Render(Square(Stairs()));
   ASSERT_EQ(rendered.error, "");
   EXPECT_EQ(WarningsOf(rendered), "");
@@ -129,7 +129,7 @@ TEST(SceneTextures, RedChannelLinearBilinear) {
   EXPECT_NEAR(rendered.At(0, 0.25), (RedOfStairs(0, 0) + RedOfStairs(3, 0)) / 2, 1e-6);
 }
 
-TEST(SceneTextures, SamplerWraps) {
+TEST(SceneTextures, HonoursSamplerWrapModes) {
   Model model = Square(Stairs());
   model.json["samplers"] = Json::parse(R"([{"wrapS": 33071, "wrapT": 33648}])");
   model.json["textures"][0]["sampler"] = 0;
@@ -140,7 +140,7 @@ TEST(SceneTextures, SamplerWraps) {
   EXPECT_NE(WarningsOf(Render(model)).find("/samplers/0/wrapS"), std::string::npos);
 }
 
-TEST(SceneTextures, TransformAndOtherSet) {
+TEST(SceneTextures, HonoursTextureTransformAndTexCoord) {
   Model model = Square(Stairs());
   Entry(model)["texture"]["extensions"]["KHR_texture_transform"] =
       Json::parse(R"({"offset": [0.25, 0.5], "scale": [0.5, 0.5], "rotation": 0})");
@@ -162,7 +162,7 @@ TEST(SceneTextures, TransformAndOtherSet) {
   EXPECT_NEAR(Render(model).At(0.875, 0.75), RedOfStairs(3, 1), 1e-6);
 }
 
-TEST(SceneTextures, FrictionAndVibrationShareAnImage) {
+TEST(SceneTextures, SharedImageIsDecodedOnce) {
   Model model = Square(Stairs());
   Json& material = model.json["extensions"]["MPEG_haptic_material"]["materials"][0];
   material["friction"] = material["stiffness"];
@@ -178,7 +178,7 @@ TEST(SceneTextures, FrictionAndVibrationShareAnImage) {
   EXPECT_EQ(rendered.load.images_decoded, 1U);
 }
 
-TEST(SceneTextures, OneImageOfManyIsRead) {
+TEST(SceneTextures, ReadsOnlyTheReferencedImage) {
   Model model = Square(Stairs());
   const std::string other(500'000, 'x');
   for (std::size_t i = 0; i < 3; ++i) {
@@ -218,7 +218,7 @@ Model Squares(int count, const std::string& image, bool same_bytes) {
   return model;
 }
 
-TEST(SceneTextures, ImagesHaveLimitsInAll) {
+TEST(SceneTextures, ImageCountSharingAndTexelsAreLimited) {
   const Rendered many = Render(Squares(66, Stairs(), false));
   ASSERT_EQ(many.error, "");
   EXPECT_EQ(many.load.images_decoded, 64U);
@@ -238,7 +238,7 @@ TEST(SceneTextures, ImagesHaveLimitsInAll) {
   EXPECT_NE(WarningsOf(large).find("with the images before it"), std::string::npos) << WarningsOf(large);
 }
 
-TEST(SceneTextures, WhatIsMissingOrWrongIsOneWithAWarning) {
+TEST(SceneTextures, MissingOrInvalidTextureWarnsAndSamplesAsOne) {
   struct Case {
     std::function<void(Model&)> spoil;
     const char* warning;

@@ -51,7 +51,7 @@ TEST(SceneTransforms, VolumeFollowsTheScalesOfTheHierarchy) {
 }
 
 // Offsets, strides, index types and component types are packing, not shape.
-TEST(SceneTransforms, PackingDoesNotMatter) {
+TEST(SceneTransforms, ShapeDoesNotDependOnBufferPacking) {
   Random random(22);
   for (int run = 0; run < 200; ++run) {
     Model model = Tetra();

@@ -34,7 +34,7 @@ std::string Without(std::string text, const std::string& from, const std::string
   return text;
 }
 
-TEST(KeysPage, WritesARowThatIsMissingAndDropsOneThatHasNoKey) {
+TEST(KeysPage, PageGetsMissingRowsAndLosesRowsWithoutAKey) {
   const std::string row = "| `viscosity` |";
   ASSERT_NE(Page().find(row), std::string::npos);
   EXPECT_TRUE(UpdatedPage(Without(Page(), row, "\n")) == Page());
@@ -43,7 +43,7 @@ TEST(KeysPage, WritesARowThatIsMissingAndDropsOneThatHasNoKey) {
   EXPECT_TRUE(UpdatedPage(more) == Page());
 }
 
-TEST(KeysPage, WritesANumberThatIsMissingAndDropsOneThatHasNoKey) {
+TEST(KeysPage, SchemaGetsMissingNumbersAndLosesThoseWithoutAKey) {
   using Json = nlohmann::ordered_json;
   Json less = Json::parse(Schema()), wrong = less;
   less["properties"]["magnet"]["properties"].erase("range");
@@ -54,7 +54,7 @@ TEST(KeysPage, WritesANumberThatIsMissingAndDropsOneThatHasNoKey) {
   EXPECT_TRUE(UpdatedSchema(wrong.dump()) == Schema());
 }
 
-TEST(KeysPage, RefusesAPageWithoutTheTable) { EXPECT_THROW(UpdatedPage("# Scenes\n"), std::runtime_error); }
+TEST(KeysPage, RejectsAPageWithoutTheTable) { EXPECT_THROW(UpdatedPage("# Scenes\n"), std::runtime_error); }
 
 }  // namespace
 }  // namespace omni::scenes

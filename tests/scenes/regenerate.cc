@@ -30,9 +30,9 @@ void ExpectSame(const Document& document, const std::string& name) {
                                               << ": run scene_generator on scenes/ and look at what changed";
 }
 
-TEST(Regenerate, Extrusion) { ExpectSame(ExtrusionScene(), "extrusion.glb"); }
-TEST(Regenerate, Racetrack) { ExpectSame(RacetrackScene(), "racetrack.glb"); }
-TEST(Regenerate, Dragon) { ExpectSame(DragonScene(), "dragon.glb"); }
+TEST(Regenerate, ExtrusionMatchesTheCommittedFile) { ExpectSame(ExtrusionScene(), "extrusion.glb"); }
+TEST(Regenerate, RacetrackMatchesTheCommittedFile) { ExpectSame(RacetrackScene(), "racetrack.glb"); }
+TEST(Regenerate, DragonMatchesTheCommittedFile) { ExpectSame(DragonScene(), "dragon.glb"); }
 
 haptics::SceneInput Load(const std::string& name) {
   scene::LoadReport report;
@@ -69,7 +69,7 @@ Span SpanOf(const haptics::InputObject& object) {
   return span;
 }
 
-TEST(Scenes, BlockIsClosedAndOfClay) {
+TEST(Scenes, ExtrusionIsOneClosedSculptableBlock) {
   const haptics::SceneInput scene = Load("extrusion.glb");
   ASSERT_EQ(scene.objects.size(), 1U);
   const haptics::InputObject& block = scene.objects[0];
@@ -107,7 +107,7 @@ TEST(Scenes, DragonIsOneClosedSurfaceOfSoftRubber) {
   EXPECT_LE(scene.materials[0].softness.young_modulus_Pa, 5e4);
 }
 
-TEST(Scenes, RacetrackHasWallsACarAndAJoystick) {
+TEST(Scenes, RacetrackHasWallsVehicleAndJoystick) {
   const haptics::SceneInput scene = Load("racetrack.glb");
   ASSERT_EQ(scene.objects.size(), 2U);
   for (const haptics::InputObject& wall : scene.objects) {
@@ -130,7 +130,7 @@ TEST(Scenes, RacetrackHasWallsACarAndAJoystick) {
   }
 }
 
-TEST(Scenes, RacetrackHasItsCheckpointsAroundTheRoad) {
+TEST(Scenes, RacetrackCheckpointsGoAroundTheRoad) {
   const haptics::SceneInput scene = Load("racetrack.glb");
   ASSERT_TRUE(scene.vehicle.has_value());
   const haptics::VehicleInput& car = *scene.vehicle;
@@ -154,7 +154,7 @@ TEST(Scenes, RacetrackHasItsCheckpointsAroundTheRoad) {
 }
 
 // Hand paths: slow enough for a person, starting and ending clear of everything.
-TEST(Scenes, HandPathsAreCalm) {
+TEST(Scenes, HandPathsAreSlowAndEndClear) {
   for (const std::string name : {"extrusion", "dragon", "racetrack"}) {
     const std::vector<unsigned char> bytes = ReadAll(PathOf(name + ".hand.json"));
     const nlohmann::json script = nlohmann::json::parse(bytes.begin(), bytes.end());

@@ -31,7 +31,7 @@ Brush BrushOf(double radius_m, Falloff falloff = Falloff::kSmooth) {
   return brush;
 }
 
-TEST(SculptMeshTest, KeepsTheMeshItWasMadeOf) {
+TEST(SculptMeshTest, SnapshotMatchesTheInputMesh) {
   const Mesh mesh = Connected(BumpyBall(30, 0.03));
   const auto editor = SculptEditor::Make(mesh, {});
   ASSERT_TRUE(editor.ok());
@@ -85,7 +85,7 @@ TEST(SculptMeshTest, QueriesAgreeWithBruteForce) {
 }
 
 // What the tick holds does not change under it, and an edit copies only the pages it touches.
-TEST(SculptMeshTest, AnOldGenerationStaysAsItWas) {
+TEST(SculptMeshTest, OldGenerationIsUnchangedByEdits) {
   const auto editor = EditorOf(BumpyBall(60, 0.03));
   SculptPublisher& publisher = editor->publisher();
   publisher.SetReader(true);
@@ -121,7 +121,7 @@ TEST(SculptMeshTest, AnOldGenerationStaysAsItWas) {
 }
 
 // Pages that go out and come back do not add up: memory follows the mesh, not the number of edits.
-TEST(SculptMeshTest, PagesAreUsedAgain) {
+TEST(SculptMeshTest, PagesAreReused) {
   const auto editor = EditorOf(BumpyBall(30, 0.03));
   Random random(5);
   std::size_t early = 0;
@@ -135,7 +135,7 @@ TEST(SculptMeshTest, PagesAreUsedAgain) {
   EXPECT_LE(editor->mesh().page_bytes(), 2 * early);
 }
 
-TEST(SculptMeshTest, RefusesWhatItCannotEdit) {
+TEST(SculptMeshTest, RejectsOpenEmptyAndInvalidInput) {
   InputObject open = Block(2, {0.01, 0.01, 0.01});
   open.triangles.pop_back();
   open.triangle_material.pop_back();
@@ -148,7 +148,7 @@ TEST(SculptMeshTest, RefusesWhatItCannotEdit) {
   EXPECT_FALSE(SculptEditor::Make(Connected(Tetrahedron(0.01)), options).ok());
 }
 
-TEST(SculptMeshTest, RefusedStrokesChangeNothing) {
+TEST(SculptMeshTest, RejectedStrokesChangeNothing) {
   const auto editor = EditorOf(Block(1, {0.01, 0.01, 0.01}));
   const std::uint64_t before = editor->mesh().Hash();
   const SurfacePoint at = On(*editor, {0, 0, 1});

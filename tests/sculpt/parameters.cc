@@ -33,7 +33,7 @@ void Grab(SculptHand& hand, double top_m, double depth_m = 0.0015) {
   hand.Rest(250);
 }
 
-TEST(SculptParametersTest, PullsOutAndIsFeltAsABump) {
+TEST(SculptParametersTest, PullingOutMakesABump) {
   SculptHand hand(Sphere(40, kRadius_m), {}, FiveMillimetres());
   SculptEditor& editor = hand.editor();
   const double top_m = TopOf(editor);
@@ -56,7 +56,7 @@ TEST(SculptParametersTest, PullsOutAndIsFeltAsABump) {
   EXPECT_GT(felt_N, 0.1);  // against the motion
 }
 
-TEST(SculptParametersTest, PushesInOnlyAgainstMoreThanItBears) {
+TEST(SculptParametersTest, PushesInOnlyBeyondTheYieldForce) {
   SculptParameters parameters;
   SculptHand hand(Sphere(40, kRadius_m), parameters, FiveMillimetres());
   const double top_m = TopOf(hand.editor());
@@ -72,7 +72,7 @@ TEST(SculptParametersTest, PushesInOnlyAgainstMoreThanItBears) {
   EXPECT_LT(hand.largest_step_N(), kSlew_N / 4);
 }
 
-TEST(SculptParametersTest, ResistanceGrowsWithSpeedAndWay) {
+TEST(SculptParametersTest, ResistanceGrowsWithSpeedAndTravel) {
   const auto pull = [](double speed_m_s, double way_m) {
     SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());
     const double top_m = TopOf(hand.editor());
@@ -85,7 +85,7 @@ TEST(SculptParametersTest, ResistanceGrowsWithSpeedAndWay) {
 }
 
 // The worst case: undo while the pen is inside what was pulled out or pushed in.
-TEST(SculptParametersTest, UndoUnderThePenDoesNotKick) {
+TEST(SculptParametersTest, UndoDuringContactDoesNotKick) {
   for (const double offset_m : {-0.004, 0.004}) {
     SculptHand hand(Sphere(40, kRadius_m), {.grab_force_N = 2}, FiveMillimetres());
     SculptEditor& editor = hand.editor();
@@ -120,7 +120,7 @@ TEST(SculptParametersTest, SettlesOnTheGrid) {
   EXPECT_NEAR(TopOf(hand.editor()) - top_m, hand.state().offset_m, 2e-5);
 }
 
-TEST(SculptParametersTest, LetsGoOfATipThatRestsInNoise) {
+TEST(SculptParametersTest, ReleasesATipAtRestDespiteNoise) {
   SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());
   const double top_m = TopOf(hand.editor());
   Grab(hand, top_m);
@@ -131,7 +131,7 @@ TEST(SculptParametersTest, LetsGoOfATipThatRestsInNoise) {
   EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
 }
 
-TEST(SculptParametersTest, TornOrLostItEndsTheStroke) {
+TEST(SculptParametersTest, TearingOrTrackingLossEndsTheStroke) {
   for (const bool torn : {true, false}) {
     SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());
     const double top_m = TopOf(hand.editor());
@@ -151,7 +151,7 @@ TEST(SculptParametersTest, TornOrLostItEndsTheStroke) {
 }
 
 // A base that is not calibrated allows little: the hold gets from the press to the pull with any stiffness.
-TEST(SculptParametersTest, SoftHoldPullsToo) {
+TEST(SculptParametersTest, PullsEvenWithALowStiffnessBound) {
   for (const double stiffness_N_m : {30.0, 60.0, 120.0, 400.0}) {
     SculptToolState state;
     SculptInput input;
@@ -181,7 +181,7 @@ TEST(SculptParametersTest, SoftHoldPullsToo) {
   }
 }
 
-TEST(SculptParametersTest, MessagesWaitWhileTheRingIsFull) {
+TEST(SculptParametersTest, StrokeMessagesAreDeferredWhileTheRingIsFull) {
   StrokeRing ring;
   while (ring.TryPush({})) {
   }
@@ -216,7 +216,7 @@ TEST(SculptParametersTest, MessagesWaitWhileTheRingIsFull) {
 }
 
 // Whatever comes in: finite, bounded, no heap.
-TEST(SculptParametersTest, BadInputGivesFiniteForceAndNoHeap) {
+TEST(SculptParametersTest, BadInputGivesFiniteForceWithoutAllocation) {
   const auto editor = EditorOf(BumpyBall(12, kRadius_m));
   const SculptTable* table = editor->publisher().Acquire();
   const double bad[] = {0, -1, 1e-9, 0.03, 1e3, 1e30, std::nan(""), std::numeric_limits<double>::infinity()};

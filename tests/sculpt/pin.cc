@@ -20,7 +20,7 @@ void Edit(SculptEditor& editor, Random& random, int k) {
   if (k % 3 == 2) editor.Undo();
 }
 
-TEST(SculptPin, PinnedGenerationsAreWholeBesideATick) {
+TEST(SculptPin, PinnedGenerationsAreCompleteWhileATickReads) {
   const auto editor = EditorOf(BumpyBall(12, 0.03));
   SculptPublisher& publisher = editor->publisher();
   editor->Publish();
@@ -84,7 +84,7 @@ TEST(SculptPin, AHeldPinKeepsItsGeneration) {
   EXPECT_EQ(publisher.OldestInUse(), publisher.generation());
 }
 
-TEST(SculptPin, NothingPublishedIsNothingPinned) {
+TEST(SculptPin, PinReturnsNullBeforeFirstPublish) {
   SculptPublisher publisher;
   EXPECT_EQ(publisher.Pin(), nullptr);
   publisher.Unpin();

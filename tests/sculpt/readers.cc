@@ -10,7 +10,7 @@
 namespace omni::haptics::sculpt {
 namespace test_sculpt_readers {
 
-TEST(SculptReadersTest, SeeWholeGenerations) {
+TEST(SculptReadersTest, ReaderSeesOnlyCompleteGenerations) {
   const auto editor = EditorOf(BumpyBall(12, 0.03));
   SculptPublisher& publisher = editor->publisher();
   publisher.SetReader(true);

@@ -37,7 +37,7 @@ InputObject TwoMaterials() {
   return object;
 }
 
-TEST(SculptSaveTest, ComesBackAsItWas) {
+TEST(SculptSaveTest, SavedSceneLoadsUnchanged) {
   const auto editor = EditorOf(TwoMaterials());
   Random random(6);
   Brush brush;
@@ -81,7 +81,7 @@ TEST(SculptSaveTest, ComesBackAsItWas) {
   }
 }
 
-TEST(SculptSaveTest, RefusesWithAReason) {
+TEST(SculptSaveTest, RejectsUnwritablePathsAndInvalidScenes) {
   const auto editor = EditorOf(TwoMaterials());
   SceneInput scene = Sculpted(*editor);
   EXPECT_NE(scene::SaveGlb("/nowhere/at/all.glb", scene).error().find("/nowhere/at/all.glb"), std::string::npos);

@@ -22,7 +22,7 @@ BoundOptions Quiet() {
 const MagnetPose kPose{{0.01, -0.02, 0.065}, base::Normalized({0.2, 0.3, -1})};
 
 // The figure known for this geometry: a median of .114 mm and .099 deg over all reachable poses.
-TEST(SimBound, MedianOfTheStandardPoses) {
+TEST(SimBound, MedianBoundOfRandomPosesMatchesKnownFigures) {
   Rig rig = Ideal();
   Random random(91);
   std::vector<double> position_mm;
@@ -40,7 +40,7 @@ TEST(SimBound, MedianOfTheStandardPoses) {
   EXPECT_NEAR(orientation_deg[200], 0.099, 0.02);
 }
 
-TEST(SimBound, GrowsWithTheNoiseAndWithIgnorance) {
+TEST(SimBound, GrowsWithNoiseAndWithUnknownParameters) {
   Rig rig = Ideal();
   const auto known = CramerRao(rig, kPose, Quiet());
   BoundOptions options = Quiet();
@@ -62,7 +62,7 @@ TEST(SimBound, GrowsWithTheNoiseAndWithIgnorance) {
   EXPECT_GT(with(BoundOptions::kUnknown, BoundOptions::kUnknown, 0), with(BoundOptions::kUnknown, 0, 0));
 }
 
-TEST(SimBound, TracesAreThoseOfTheCovariance) {
+TEST(SimBound, TracesMatchTheCovariance) {
   Rig rig = Ideal();
   const auto bound = CramerRao(rig, kPose, Quiet());
   double position = 0;
@@ -80,7 +80,7 @@ TEST(SimBound, TracesAreThoseOfTheCovariance) {
   EXPECT_NEAR(Dot(bound->tangent_base[0], bound->tangent_base[1]), 0, 1e-15);
 }
 
-TEST(SimBound, SaturatedAxesSayNothing) {
+TEST(SimBound, SaturatedAxesCarryNoInformation) {
   base::DeviceGeometry device = support::NominalDevice();
   device.sensor_range_T = 1e-4;
   Rig rig(device, {.sizes = NoImperfections()});

@@ -68,7 +68,7 @@ Charges ImagesOf(const Charges& charges, double kappa) {
 }
 
 // At the sensors and as near as the magnet gets.
-TEST(SimCoreSeries, ImagesOfAChargeAreThoseOfASphereOfThatPermeability) {
+TEST(SimCoreSeries, ChargeImagesMatchAPermeableSphere) {
   Random random(31);
   for (const double mu : {4.0, 9.0, 100.0, 998.0, 1e5}) {
     double worst_far = 0;
@@ -87,13 +87,13 @@ TEST(SimCoreSeries, ImagesOfAChargeAreThoseOfASphereOfThatPermeability) {
   }
 }
 
-TEST(SimCoreSeries, ACoreOfAirAnswersNothing) {
+TEST(SimCoreSeries, NonmagneticCoreHasNoImageField) {
   const Charges images = ImagesOf(OneCharge({0, 0.01, 0.05}, 2.0), 0.0);
   EXPECT_EQ(Norm(FieldOf(images, {0, 0, 0.06})), 0);
 }
 
 // A dipole is two charges: the series of the pair.
-TEST(SimCoreSeries, ImagesOfADipole) {
+TEST(SimCoreSeries, DipoleImagesMatchTheSphereSeries) {
   const double mu = 500;
   const double h = 1e-4;
   const Vec3 at{0.01, -0.02, 0.05};
@@ -117,7 +117,7 @@ TEST(SimCoreSeries, ImagesOfADipole) {
 
 // Inside the core the potential of order l is c r^l P_l, so that on its surface B_n = mu l times the coefficient of
 // B_t: normal B and tangential H are continuous. Coefficients by projection with the midpoint rule in the angle.
-TEST(SimCoreSeries, CoilFieldMeetsTheConditionsOnAPermeableSurface) {
+TEST(SimCoreSeries, CoilFieldMeetsBoundaryConditionsOfAPermeableCore) {
   const double mu = 9;
   const std::vector<Turn> turns{{0.028, 0.009}, {0.028, -0.009}, {0.02, 0.004}, {0.02, -0.004}};
   const ZonalSeries core(ZonalSeries::Expand(turns, kCore_m, KappaOf(mu)).core, {0, 0, 1});
@@ -176,7 +176,7 @@ TEST(SimCoreSeries, SensorFieldsAreConverged) {
 }
 
 // For the benchmarks: another magnet reads differently.
-TEST(SimCoreSeries, AOnePercentWiderMagnetReadsTwoPercentMore) {
+TEST(SimCoreSeries, OnePercentWiderMagnetReadsTwoPercentMore) {
   base::DeviceGeometry device = support::NominalDevice();
   Rig rig(device, {.sizes = NoImperfections(), .noise = NoiseMode::kNone});
   device.magnet.radius_m *= 1.01;
@@ -187,7 +187,7 @@ TEST(SimCoreSeries, AOnePercentWiderMagnetReadsTwoPercentMore) {
 }
 
 // A uniform background and the core's response: the field is normal to an infinitely permeable surface.
-TEST(SimCoreSeries, BackgroundIsBentByTheCore) {
+TEST(SimCoreSeries, BackgroundFieldIsNormalToAPerfectCore) {
   base::DeviceGeometry device = support::NominalDevice();
   device.core_kappa = 1;
   for (base::SensorGeometry& sensor : device.sensors) {
@@ -203,7 +203,7 @@ TEST(SimCoreSeries, BackgroundIsBentByTheCore) {
   }
 }
 
-TEST(SimChargeKernel, EveryProcessorSumsAlike) {
+TEST(SimChargeKernel, ChargeSumsAreBitIdenticalOnAllProcessors) {
   Random random(33);
   std::vector<double> x(64), y(64), z(64), q(64);
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -231,7 +231,7 @@ TEST(SimChargeKernel, EveryProcessorSumsAlike) {
   }
 }
 
-TEST(SimChargeKernel, EveryProcessorHasTheSameCoilFields) {
+TEST(SimChargeKernel, CoilFieldsAreBitIdenticalOnAllProcessors) {
   Random random(34);
   ZonalTerms terms{.axis = {0.6, 0, 0.8}, .reference_m = 0.04};
   for (double& scaled : terms.scaled) scaled = random.Uniform(-1, 1);

@@ -34,7 +34,7 @@ std::complex<double> Sphere(double frequency_Hz) {
   return (2 * mu - g) / (mu + g) / (2 * (mu - 1) / (mu + 2));
 }
 
-TEST(SimEddies, PolesAreThoseOfASphere) {
+TEST(SimEddies, EddyResponseMatchesASphere) {
   const CoreMemory memory(Iron(), kCore_m);
   for (const double f : {0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0}) {
     const auto h = memory.EddyResponse(f);
@@ -44,7 +44,7 @@ TEST(SimEddies, PolesAreThoseOfASphere) {
 }
 
 // A driven memory shows amplitude and phase of its own response.
-TEST(SimEddies, StepsRealiseThePoles) {
+TEST(SimEddies, SteppedResponseMatchesTheTransferFunction) {
   CoreMemory memory(Iron(), kCore_m);
   memory.Start({});
   const double f = 100;
@@ -63,7 +63,7 @@ TEST(SimEddies, StepsRealiseThePoles) {
   EXPECT_NEAR(h.imag(), expected[1], 2e-3);
 }
 
-TEST(SimEddies, NothingIsLeftAtRest) {
+TEST(SimEddies, EddyMomentDecaysAtRest) {
   CoreMemory memory(Iron(), kCore_m);
   memory.Start({});
   memory.Step({0.3, 0, 0}, 1e-3);
@@ -72,7 +72,7 @@ TEST(SimEddies, NothingIsLeftAtRest) {
   EXPECT_NEAR(memory.moment_Am2().x, 0, 1e-6);
 }
 
-TEST(SimRemanence, ALoopHasTheSizeAskedForAndIsSymmetric) {
+TEST(SimRemanence, HysteresisLoopHasConfiguredSizeAndIsSymmetric) {
   base::TruthEffects effects;
   effects.remanence_Am2 = 4e-3;
   CoreMemory memory(effects, kCore_m);
@@ -124,7 +124,7 @@ TEST(SimEnvironment, DriftAndWarmingAreRamps) {
 }
 
 // 12 V, 20 kHz, 2 mH, half the time on: 75 mA.
-TEST(SimRipple, DocumentedFigure) {
+TEST(SimRipple, MatchesTheDocumentedFigure) {
   EXPECT_NEAR(RipplePeakToPeak(6, 12, 1, 2e-3, 20e3), 0.075, 1e-9);
   EXPECT_EQ(RipplePeakToPeak(0, 12, 1, 2e-3, 20e3), 0);
 }
@@ -132,7 +132,7 @@ TEST(SimRipple, DocumentedFigure) {
 base::DeviceGeometry Device() { return support::NominalDevice(); }
 const MagnetPose kPose{{0.01, 0.02, 0.06}, Vec3{0, 0, -1}};
 
-TEST(SimRigEffects, ExactCalibrationKnowsTheRawBackground) {
+TEST(SimRigEffects, ExactCalibrationContainsTheRawBackground) {
   RigOptions options{.sizes = UncalibratedImperfections(), .noise = NoiseMode::kNone};
   options.effects.earth_field_base_T = {2e-5, 1e-5, -4e-5};
   options.effects.background_known = false;
@@ -156,7 +156,7 @@ TEST(SimRigEffects, WarmMagnetIsWeaker) {
 }
 
 // The best line over 12 gauss is the calibrated gain: no deviation is larger than configured.
-TEST(SimRigEffects, BentSensorDeviatesAsItsDataSheetSays) {
+TEST(SimRigEffects, NonlinearSensorDeviatesWithinItsDataSheetLimit) {
   RigOptions options{.sizes = NoImperfections(), .noise = NoiseMode::kNone};
   options.sizes.sensor_nonlinearity = 4e-4;
   Rig rig(Device(), options);
@@ -176,7 +176,7 @@ TEST(SimRigEffects, BentSensorDeviatesAsItsDataSheetSays) {
   EXPECT_GT(greatest, 1e-5);
 }
 
-TEST(SimRigEffects, ScansRememberTheScanBefore) {
+TEST(SimRigEffects, RemanenceCarriesOverBetweenScans) {
   RigOptions options{.sizes = NoImperfections(), .noise = NoiseMode::kNone, .saturation = false};
   options.effects.remanence_Am2 = 4e-3;
   Rig rig(Device(), options);

@@ -52,7 +52,7 @@ TEST(SimMagnet, MatchesTheClosedFormOnItsAxis) {
   }
 }
 
-TEST(SimMagnet, FarFieldIsThatOfItsMoment) {
+TEST(SimMagnet, FarFieldMatchesItsDipoleMoment) {
   const base::DeviceGeometry device = support::NominalDevice();
   const double volume =
       std::numbers::pi * device.magnet.radius_m * device.magnet.radius_m * 2 * device.magnet.half_height_m;
@@ -99,7 +99,7 @@ TEST(SimCore, CoilFieldIsNormalToTheSurface) {
   }
 }
 
-TEST(SimCoil, EllipticIntegrals) {
+TEST(SimCoil, EllipticIntegralsMatchAbramowitzStegun) {
   // Abramowitz, Stegun, table 17.1.
   EXPECT_NEAR(EllipticIntegrals(0.5).k, 1.854074677301372, 1e-14);
   EXPECT_NEAR(EllipticIntegrals(0.5).e, 1.350643881047675, 1e-14);
@@ -107,7 +107,7 @@ TEST(SimCoil, EllipticIntegrals) {
   EXPECT_NEAR(EllipticIntegrals(0).e, std::numbers::pi / 2, 1e-15);
 }
 
-TEST(SimCoil, TurnFieldOnAndBesideItsAxis) {
+TEST(SimCoil, TurnFieldMatchesOnAxisAndIsContinuousBesideIt) {
   const double a = 0.03;
   for (const double z : {-0.05, 0.0, 0.02}) {
     EXPECT_NEAR(TurnField(a, 0, z).z_T, 0.5 * kMu0 * a * a / std::pow(a * a + z * z, 1.5), 1e-18);
@@ -143,7 +143,7 @@ TEST(SimCoil, WindingsHaveTheDocumentedFigures) {
   }
 }
 
-TEST(SimCoil, SeriesEqualsTurnsOutsideTheHull) {
+TEST(SimCoil, SeriesFieldMatchesTurnsOutsideTheHull) {
   const base::DeviceGeometry device = support::NominalDevice();
   for (int k = 0; k < 3; ++k) {
     const base::CoilGeometry& coil = device.coils[static_cast<std::size_t>(k)];
@@ -159,7 +159,7 @@ TEST(SimCoil, SeriesEqualsTurnsOutsideTheHull) {
 }
 
 // With the magnet's moment radial, on each coil's own axis and beside it.
-TEST(SimForce, DocumentedFiguresPerAmpere) {
+TEST(SimForce, ForcePerAmpereMatchesDocumentedFigures) {
   TruthModel truth(IdealCore(), Imperfections{}, false);
   const std::array<double, 3> radial{0.230, 0.235, 0.240};
   const std::array<Vec3, 3> axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
@@ -174,7 +174,7 @@ TEST(SimForce, DocumentedFiguresPerAmpere) {
   EXPECT_NEAR(truth.ForcesAt({{0, 0, 0.071}, {0, 0, 1}}).coil[2].force_N.z, -0.0398, 0.0008);
 }
 
-TEST(SimForce, SnappingOfAnIdealCore) {
+TEST(SimForce, SnappingForceOfAnIdealCoreMatchesKnownFigures) {
   TruthModel truth(IdealCore(), Imperfections{}, false);
   EXPECT_NEAR(truth.ForcesAt({{0, 0, 0.041}, {0, 0, 1}}).core.force_N.z / -0.469, 1, 0.01);
   EXPECT_NEAR(truth.ForcesAt({{0, 0, 0.046}, {0, 0, -1}}).core.force_N.z / -0.218, 1, 0.01);
@@ -239,7 +239,7 @@ TEST(SimSensor, ReadsInItsOwnFrame) {
   EXPECT_LT(Norm(s - Vec3{b.y, -b.x, b.z}), 1e-12 * Norm(b) + 1e-18);
 }
 
-TEST(SimHull, GapOfTheDisc) {
+TEST(SimHull, DiscGapMatchesKnownPoses) {
   const base::DeviceGeometry device = support::NominalDevice();
   const auto gap = [&](const MagnetPose& pose) { return GapToHull(device.magnet, device.hull_radius_m, pose).gap_m; };
   EXPECT_NEAR(gap({{0, 0, 0.041}, {0, 0, -1}}), 0, 1e-15);

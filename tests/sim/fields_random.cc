@@ -57,7 +57,7 @@ Derivatives Differentiate(const Field& field, const Vec3& p, double h) {
   return result;
 }
 
-TEST(SimFieldsProperty, MagnetAndCoilFieldsAreFreeOfSourcesAndCurl) {
+TEST(SimFieldsProperty, MagnetAndCoilFieldsAreDivergenceAndCurlFree) {
   const base::DeviceGeometry device = support::NominalDevice();
   TruthModel truth(device, Imperfections{}, false);
   const MagnetFaces faces(device.magnet, 6, 16);
@@ -168,7 +168,7 @@ TEST(SimFieldsProperty, ForceAndTorqueAreGradientsOfTheEnergy) {
 }
 
 // No point of the disc is nearer to the hull than the gap says, and some point is as near.
-TEST(SimFieldsProperty, GapIsTheDistanceOfTheNearestPoint) {
+TEST(SimFieldsProperty, GapIsTheDistanceToTheNearestPoint) {
   const base::DeviceGeometry device = support::NominalDevice();
   Random random(13);
   for (int i = 0; i < 300; ++i) {

@@ -44,7 +44,7 @@ TEST(SimHand, FollowsItsPathWithoutForces) {
   EXPECT_LT(Norm(tip - Vec3{0, 0.04, 0.06}), 1e-4) << "rests at the last waypoint";
 }
 
-TEST(SimHand, VelocityOfThePathIsItsDerivative) {
+TEST(SimHand, PathVelocityIsTheDerivativeOfPosition) {
   Random random(2);
   HandScript script = Tour();
   script.tremor_m = 1e-3;
@@ -69,7 +69,7 @@ TEST(SimHand, RepeatingPathClosesSmoothly) {
   EXPECT_LT(Norm(path.At(2.3 - 1e-6).centre_base_m - path.At(2.3).centre_base_m), 1e-6);
 }
 
-TEST(SimHand, TremorHasItsRms) {
+TEST(SimHand, TremorHasTheConfiguredRms) {
   Random random(4);
   HandScript script = support::Holding({0, 0, 0.06});
   script.tremor_m = 1e-3;
@@ -153,7 +153,7 @@ struct BadScript {
   std::string expected;  // part of the message
 };
 
-TEST(SimScript, BadFilesAreNamedWithTheirPointer) {
+TEST(SimScript, BadFilesAreReportedWithTheirJsonPointer) {
   const test::TempFolder folder;
   const std::string path = folder.Path("hand.json");
   const std::vector<BadScript> cases{

@@ -21,7 +21,7 @@ LedPath At(const Vec3& tip_m) {
 
 Vec3 TipOf(const HandTarget& target) { return target.centre_base_m + kTipOffset_m * target.axis_base; }
 
-TEST(LedPath, GoesToItsAimWithoutSwingingPast) {
+TEST(LedPath, ReachesItsAimWithoutOvershoot) {
   for (const double way_m : {0.0005, 0.01, 0.1, 0.5}) {
     LedPath path = At({0, 0, 0.06});
     path.Aim({.tip_base_m = {way_m, 0, 0.06}});
@@ -38,7 +38,7 @@ TEST(LedPath, GoesToItsAimWithoutSwingingPast) {
   }
 }
 
-TEST(LedPath, VelocityIsTheDerivativeOfThePlace) {
+TEST(LedPath, VelocityIsTheDerivativeOfPosition) {
   LedPath path = At({0, 0, 0.06});
   path.Aim({.tip_base_m = {0.03, -0.02, 0.05}, .axis_base = Normalized(Vec3{0.4, 0.1, -1})});
   Vec3 before = path.Target().centre_base_m;
@@ -53,7 +53,7 @@ TEST(LedPath, VelocityIsTheDerivativeOfThePlace) {
   EXPECT_LT(Norm(path.Target().axis_base - Normalized(Vec3{0.4, 0.1, -1})), 1e-6);
 }
 
-TEST(LedPath, StaysWhereItWasLedWhenNothingNewComes) {
+TEST(LedPath, HoldsItsPositionWithoutANewAim) {
   LedPath path = At({0, 0, 0.06});
   path.Aim({.tip_base_m = {0.01, 0, 0.055}});
   for (int i = 0; i < 4000; ++i) path.Step(kStep_s);
@@ -80,7 +80,7 @@ HandScript Tour() {
   return script;
 }
 
-TEST(LedHand, WaitsAtTheFirstWaypointAndPlaysNoneOfTheOthers) {
+TEST(LedHand, IgnoresWaypointsAfterTheFirst) {
   const base::DeviceGeometry device = support::NominalDevice();
   Random random(1);
   Hand hand(Tour(), device, random, true);
@@ -89,7 +89,7 @@ TEST(LedHand, WaitsAtTheFirstWaypointAndPlaysNoneOfTheOthers) {
   EXPECT_LT(Norm(tip - Vec3{0, 0, 0.06}), 5e-4) << "but for its tremor";
 }
 
-TEST(LedHand, KeepsItsMassSpringAndTremor) {
+TEST(LedHand, KeepsItsStiffnessAndTremor) {
   const base::DeviceGeometry device = support::NominalDevice();
   Random random(2);
   Hand hand(Tour(), device, random, true);
@@ -106,7 +106,7 @@ TEST(LedHand, KeepsItsMassSpringAndTremor) {
   EXPECT_GT(most_m - least_m, 1e-4) << "trembles";
 }
 
-TEST(LedHand, NeverEntersTheHullWhereverItIsWanted) {
+TEST(LedHand, NeverEntersTheHullForAnyAim) {
   const base::DeviceGeometry device = support::NominalDevice();
   Random random(3);
   Hand hand(Tour(), device, random, true);
@@ -144,7 +144,7 @@ class Circle final : public HandGuide {
   int calls_ = 0;
 };
 
-TEST(LedTwin, EqualAimsGiveEqualBits) {
+TEST(LedTwin, EqualAimsGiveBitIdenticalScans) {
   std::optional<base::HallScan> last;
   for (int run = 0; run < 2; ++run) {
     TwinOptions options = support::HoldingTwin({0, 0, 0.06});

@@ -68,7 +68,7 @@ TEST(SimPlant, CurrentRisesWithTheCoilsOwnTimeConstant) {
   EXPECT_EQ(story.plant.current_A()[1], 0);
 }
 
-TEST(SimPlant, CurrentSensorsHaveTheirErrorsAndUnits) {
+TEST(SimPlant, CurrentSensorsApplyTheirErrorsAndUnits) {
   PlantOptions options = Perfect();
   options.imperfect = true;
   options.truth.imperfections = NoImperfections();
@@ -104,7 +104,7 @@ TEST(SimPlant, SupplySagsUnderLoadAndIsPumpedUpByCoastingCoils) {
   EXPECT_LT(0.5 * 1e-3 * (highest_V * highest_V - 18 * 18), energy_J) << "no more than was in the coils";
 }
 
-TEST(SimPlant, BrakingCoilsLeaveTheSupplyAlone) {
+TEST(SimPlant, BrakingCoilsDoNotRaiseTheSupply) {
   Scenario story;
   story.Run(Duty(0.6, -0.6, 0.6), 200);
   double highest_V = 0;
@@ -154,7 +154,7 @@ TEST(SimPlant, CurrentsMoveThePen) {
 // Up to what is reserved, where padding begins.
 bool Same(const Inputs& a, const Inputs& b) { return std::memcmp(&a, &b, offsetof(Inputs, reserved)) == 0; }
 
-TEST(SimPlant, EqualInputsGiveEqualBits) {
+TEST(SimPlant, EqualInputsGiveBitIdenticalReadings) {
   PlantOptions options;
   options.script = Holding({0.01, 0, 0.05});
   Scenario a(options);
@@ -171,7 +171,7 @@ TEST(SimPlant, EqualInputsGiveEqualBits) {
   EXPECT_TRUE(differs);
 }
 
-TEST(SimPlant, ResetStartsTheControllersClockOnly) {
+TEST(SimPlant, ResetClockResetsOnlyTheControllersClock) {
   Scenario story(Perfect(Holding({0, 0, 0.05})));
   story.Run(Duty(0.1, 0, 0), 100);
   const double current_A = story.plant.current_A()[0];
@@ -182,7 +182,7 @@ TEST(SimPlant, ResetStartsTheControllersClockOnly) {
   EXPECT_EQ(story.plant.inputs().now_us, 250U);
 }
 
-TEST(SimPlant, TestFieldReachesEverySensor) {
+TEST(SimPlant, SelfTestFieldReachesEverySensor) {
   Scenario story;
   story.Run({}, 20);
   const Inputs before = story.plant.inputs();
@@ -195,7 +195,7 @@ TEST(SimPlant, TestFieldReachesEverySensor) {
   }
 }
 
-TEST(SimPlantFaults, HallSensors) {
+TEST(SimPlantFaults, HallSensorFaultsAffectReadingsAndAnswers) {
   Scenario story(Perfect(Holding({0, 0, 0.05})));
   story.Run({}, 40);
   const Inputs before = story.plant.inputs();
@@ -225,7 +225,7 @@ TEST(SimPlantFaults, HallSensors) {
   EXPECT_LE(story.plant.inputs().field_age_us[1], 1006);
 }
 
-TEST(SimPlantFaults, CoilsBridgesAndTheirSensors) {
+TEST(SimPlantFaults, CoilBridgeAndCurrentSensorFaultsTakeEffect) {
   Scenario story;
   const Outputs outputs = Duty(0.1, 0.1, 0.1);
   story.Run(outputs, 100);
@@ -247,7 +247,7 @@ TEST(SimPlantFaults, CoilsBridgesAndTheirSensors) {
   EXPECT_GT(story.Measured_A(0), 20);
 }
 
-TEST(SimPlantFaults, SupplyFanSwitchAndHeat) {
+TEST(SimPlantFaults, SupplyFanEmergencyStopAndHeatFaultsTakeEffect) {
   Scenario story;
   Outputs outputs;
   outputs.fan = 255;
@@ -271,7 +271,7 @@ TEST(SimPlantFaults, SupplyFanSwitchAndHeat) {
 }
 
 // Outputs that no working core produces do no more than full duty.
-TEST(SimPlantFaults, NonsenseOutputsStayWithinTheSupply) {
+TEST(SimPlantFaults, OutOfRangeOutputsStayWithinTheSupply) {
   Scenario story;
   Outputs outputs = Duty(0, 0, 0, 0xFF);
   for (std::int16_t& duty : outputs.duty) duty = std::numeric_limits<std::int16_t>::min();

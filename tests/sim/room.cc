@@ -45,7 +45,7 @@ Vec3 LayerField(double h_m, const Vec3& p) {
   return sum_T;
 }
 
-TEST(SimSteel, APlanesMirrorImageIsItsLayerOfCharge) {
+TEST(SimSteel, PlaneMirrorImageMatchesItsLayerOfCharge) {
   for (const double h_m : {-0.115, -0.3}) {
     for (const double strength : {1.0, 0.4}) {
       const SteelPiece plane({.position_base_m = {0.2, -0.1, h_m}, .strength = strength});
@@ -57,7 +57,7 @@ TEST(SimSteel, APlanesMirrorImageIsItsLayerOfCharge) {
   }
 }
 
-TEST(SimSteel, APlaneTakesTheFieldsTangentialPartAway) {
+TEST(SimSteel, PlaneCancelsTheTangentialField) {
   const Vec3 normal = Normalized(Vec3{0.3, -0.2, 1});
   const SteelPiece wall({.position_base_m = {0, 0, -0.2}, .direction_base = normal});
   for (const double across_m : {-0.1, 0.0, 0.2}) {
@@ -68,7 +68,7 @@ TEST(SimSteel, APlaneTakesTheFieldsTangentialPartAway) {
 }
 
 // Exact images of two charges in a sphere; the ball answers as a dipole, which far away is all there is.
-TEST(SimSteel, ABallAnswersAsASphereDoesFromAfar) {
+TEST(SimSteel, BallMatchesASphereInTheFarField) {
   constexpr double kRadius_m = 0.01, kHalf_m = 1e-4;
   const Vec3 centre_m{0.12, 0.05, 0.02};
   const SteelPiece ball({.shape = base::SteelShape::kBall, .position_base_m = centre_m, .radius_m = kRadius_m});
@@ -93,7 +93,7 @@ TEST(SimSteel, ABallAnswersAsASphereDoesFromAfar) {
 }
 
 // An ellipsoid of revolution in a uniform field is magnetised evenly: charge M.n on its surface, M = B / (mu0 N).
-TEST(SimSteel, ABarAnswersAsAnEllipsoid) {
+TEST(SimSteel, BarMatchesAnEllipsoid) {
   constexpr double kHalf_m = 0.4, kRadius_m = 0.02;
   const double factor = 0.00675;  // N of 20:1 [Osborn 1945, table I: .006749]
   const SteelPiece bar({.shape = base::SteelShape::kBar,
@@ -175,7 +175,7 @@ TEST(SimSteel, PullsThePen) {
   EXPECT_NEAR(ratio, std::pow(2, 4), 5);
 }
 
-TEST(SimRoom, StepsOfTheFieldComeAtTheirTime) {
+TEST(SimRoom, FieldStepsOccurAtTheirTime) {
   base::TruthEffects effects;
   effects.room.steps = {{{2e-5, 0, 0}, 10, 0}, {{0, 4e-6, 0}, 20, 10}};
   Random random(5);
@@ -187,7 +187,7 @@ TEST(SimRoom, StepsOfTheFieldComeAtTheirTime) {
 }
 
 // The field stays where it is, so that in the base's frame it turns the opposite way; known is what it was at first.
-TEST(SimRoom, TheEarthsFieldTurnsAgainstTheBase) {
+TEST(SimRoom, EarthFieldTurnsOppositeToTheBase) {
   base::TruthEffects effects;
   effects.background_known = false;
   effects.earth_field_base_T = {2e-5, 0, -4.4e-5};
@@ -206,7 +206,7 @@ TEST(SimRoom, TheEarthsFieldTurnsAgainstTheBase) {
   EXPECT_LT(Norm(known.At(4).background_base_T - (after_T - effects.earth_field_base_T)), 1e-18);
 }
 
-TEST(SimRoom, MainsHasItsAmplitudesAndOneDirection) {
+TEST(SimRoom, MainsHasConfiguredHarmonicsAndOneDirection) {
   base::TruthEffects effects;
   effects.room.mains_T = 1e-6;
   effects.room.mains_third = 0.3;
@@ -233,7 +233,7 @@ TEST(SimRoom, MainsHasItsAmplitudesAndOneDirection) {
 }
 
 // A distant magnet's field is that of its dipole; the core adds what a sphere of iron adds.
-TEST(SimRoom, AnotherMagnetComesNearer) {
+TEST(SimRoom, ApproachingMagnetMatchesItsDipoleField) {
   base::TruthEffects effects;
   effects.room.magnets = {{{0, 0, 0.1}, {1, 0, 0}, {0.13, 0, 0}, 2, 4}};
   Rig rig(support::NominalDevice(), {.sizes = NoImperfections(), .noise = NoiseMode::kNone, .effects = effects});
@@ -291,7 +291,7 @@ base::TruthEffects WithFault(const base::SensorFault& fault) {
   return effects;
 }
 
-TEST(SimRoom, OneSensorIsNotAsTheOthers) {
+TEST(SimRoom, SensorFaultsAffectOnlyTheirSensor) {
   using Kind = base::SensorFaultKind;
   const double lsb_T = support::NominalDevice().sensor_lsb_T;
   Sampled good({});
@@ -351,7 +351,7 @@ TEST(SimRoom, FlickerNoiseHasAFlatAllanDeviation) {
   }
 }
 
-TEST(SimRoom, WarmSensorsDriftByWhatWasDrawn) {
+TEST(SimRoom, WarmSensorsDriftByTheirDrawnCoefficients) {
   ImperfectionSizes sizes = NoImperfections();
   sizes.sensor_offset_T = 1e-6;
   sizes.sensor_offset_T_K = 2e-7;

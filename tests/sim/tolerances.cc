@@ -18,7 +18,7 @@ const Vec3 kOffset_m{3e-4, -2e-4, 3.5e-4};
 const MagnetPose kPose{{0.01, -0.02, 0.06}, Normalized(Vec3{0.2, 0.1, -1})};
 
 // Without coils, a core off centre is a centred core with everything else moved the other way.
-TEST(SimTolerances, ACoreOffCentreIsEverythingElseMoved) {
+TEST(SimTolerances, OffCentreCoreEqualsMovingEverythingElse) {
   const base::DeviceGeometry device = support::NominalDevice();
   Imperfections off, moved;
   off.core_offset_base_m = kOffset_m;
@@ -79,7 +79,7 @@ class IronAnswer {
   std::vector<double> radial_T_;
 };
 
-TEST(SimTolerances, ACoreOffCentreAnswersTheCoilsFromWhereItIs) {
+TEST(SimTolerances, OffCentreCoreRespondsToTheCoilsFromItsPosition) {
   const base::DeviceGeometry device = support::NominalDevice();
   for (int k = 0; k < 3; ++k) {
     const base::CoilGeometry& drawn = device.coils[static_cast<std::size_t>(k)];
@@ -96,7 +96,7 @@ TEST(SimTolerances, ACoreOffCentreAnswersTheCoilsFromWhereItIs) {
   }
 }
 
-TEST(SimTolerances, BothWaysToACoilsFieldAgreeWithTheCoreOffCentre) {
+TEST(SimTolerances, SeriesMatchesTurnsWithAnOffCentreCore) {
   const base::DeviceGeometry device = support::NominalDevice();
   const CoilTruth off(device.coils[1], 1, device.coils[1].axis_base, 1, device.core_radius_m, device.core_kappa,
                       kOffset_m);
@@ -105,7 +105,7 @@ TEST(SimTolerances, BothWaysToACoilsFieldAgreeWithTheCoreOffCentre) {
   }
 }
 
-TEST(SimTolerances, SizesAreDrawnAndKeepTheMoment) {
+TEST(SimTolerances, DrawnSizesHaveTheirSpreadAndKeepTheMoment) {
   const base::DeviceGeometry device = support::NominalDevice();
   ImperfectionSizes sizes = NoImperfections();
   sizes.hull_radius_m = 3e-4;

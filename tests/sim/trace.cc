@@ -15,7 +15,7 @@ double TiltOf(const MagnetPose& pose) {
   return std::acos(std::clamp(-Dot(pose.axis_base, Normalized(pose.centre_base_m)), -1.0, 1.0));
 }
 
-TEST(SimMotion, StaysInItsBallClearOfTheHullAndWithinItsSpeed) {
+TEST(SimMotion, StaysWithinItsRadiusAndSpeedAndClearOfTheHull) {
   const base::DeviceGeometry device = support::NominalDevice();
   for (const std::uint64_t seed : {3U, 14U, 159U}) {
     const MotionOptions options{.seed = seed};
@@ -67,7 +67,7 @@ bool Same(const std::vector<TraceRow>& a, const std::vector<TraceRow>& b) {
   return a.size() == b.size() && support::SameBits(a.back().scan, b.back().scan);
 }
 
-TEST(SimTrace, EqualOptionsGiveEqualBits) {
+TEST(SimTrace, EqualOptionsGiveBitIdenticalTraces) {
   RigOptions rig_options{.seed = 4, .noise = NoiseMode::kLowPower};
   rig_options.effects.remanence_Am2 = 4e-3;
   rig_options.effects.core_conductivity_S_m = 1e7;
@@ -83,7 +83,7 @@ TEST(SimTrace, EqualOptionsGiveEqualBits) {
 }
 
 // Without noise and effects a scan is the static reading at each sensor's own instant.
-TEST(SimTrace, ScansBelongToThePathAtEachSensorsInstant) {
+TEST(SimTrace, ScansSampleThePathAtEachSensorsInstant) {
   Rig rig(support::NominalDevice(), {.sizes = NoImperfections(), .noise = NoiseMode::kNone});
   const TraceOptions options = Short();
   const auto rows = RecordTrace(rig, options);
@@ -103,7 +103,7 @@ TEST(SimTrace, ScansBelongToThePathAtEachSensorsInstant) {
 }
 
 // The saw-tooth rises for its period and falls within the coil's lag; measured and true currents differ by the sensor.
-TEST(SimTrace, CurrentsAreSawTeethWithinTheirAmplitude) {
+TEST(SimTrace, SawtoothCurrentsStayWithinTheirAmplitude) {
   RigOptions rig_options{.sizes = NoImperfections()};
   Rig rig(support::NominalDevice(), rig_options);
   TraceOptions options = Short();
@@ -124,7 +124,7 @@ TEST(SimTrace, CurrentsAreSawTeethWithinTheirAmplitude) {
   EXPECT_EQ(rows.back().scan.device_faults, 0U);
 }
 
-TEST(SimTrace, NoPenNoField) {
+TEST(SimTrace, NoFieldWithoutAPen) {
   Rig rig(support::NominalDevice(), {.sizes = NoImperfections(), .noise = NoiseMode::kNone});
   TraceOptions options = Short();
   options.present = false;
@@ -132,7 +132,7 @@ TEST(SimTrace, NoPenNoField) {
 }
 
 // Eddy currents: a core that cannot follow reads less while the current rises.
-TEST(SimTrace, EffectsReachTheScans) {
+TEST(SimTrace, EffectsChangeTheScans) {
   RigOptions plain{.sizes = NoImperfections(), .noise = NoiseMode::kNone};
   RigOptions effects = plain;
   effects.effects.core_conductivity_S_m = 1e7;

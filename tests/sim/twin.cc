@@ -44,7 +44,7 @@ std::uint64_t RunHash(const TwinOptions& options, int ticks = 300) {
   return hash;
 }
 
-TEST(SimTwin, EqualInputsGiveEqualBits) {
+TEST(SimTwin, EqualInputsGiveBitIdenticalScans) {
   const TwinOptions options = HoldingTwin({0.01, 0, 0.05});
   const std::uint64_t hash = RunHash(options);
   EXPECT_EQ(hash, RunHash(options));
@@ -64,7 +64,7 @@ TEST(SimTwin, EqualInputsGiveEqualBits) {
   EXPECT_NE(hash, RunHash(other));
 }
 
-TEST(SimTwin, NoiseIsWhatTheManifestSays) {
+TEST(SimTwin, SensorNoiseMatchesTheConfiguredNoise) {
   TwinOptions options = HoldingTwin({0, 0, 0.06});
   options.imperfect = false;
   options.script.waypoints[0].present = false;  // no magnet, no currents: noise only
@@ -92,7 +92,7 @@ TEST(SimTwin, NoiseIsWhatTheManifestSays) {
   }
 }
 
-TEST(SimTwin, StampsAreOfTheNewestSampleAndAgesOfTheOthers) {
+TEST(SimTwin, TimestampIsOfTheNewestSampleAndAgesAreRelativeToIt) {
   const auto twin = MakeVirtualTwin(NominalDevice(), HoldingTwin({0, 0, 0.06}), 10);
   base::HallScan scan;
   std::int64_t before_ns = 0;
@@ -213,7 +213,7 @@ TEST(SimTwin, FullDiskEndsTheRecordingNotTheTwin) {
   EXPECT_NE(impossible.error().find("/nonexistent/folder/truth.csv"), std::string::npos);
 }
 
-TEST(SimRandom, SequenceIsFixed) {
+TEST(SimRandom, SequenceDependsOnlyOnTheSeed) {
   Random random(1);
   const std::uint64_t first = random.Bits();
   EXPECT_EQ(first, Random(1).Bits());

@@ -54,8 +54,8 @@ bool Passes(const Registered& registered) {
 // every target: tests/hil/board/lockstep_test.cc.
 const std::set<std::string> kLeftOut = {
     "FirmwareCurrent.StaysWithinHalfAPercentOver15MinutesOfHeating",
-    "FirmwareCurrent.ShrinksBetweenDerateAndMaxAndTripsOnlyThere", "FirmwareFaultMatrix.EveryFaultIsSeenAndEndsAtRest",
-    "FirmwareFaultMatrix.HasEveryFaultThatABaseCanHave", "FirmwareFaultMatrix.ThePageSaysWhatTheRunsGave"};
+    "FirmwareCurrent.DeratesWithTemperatureWithoutTripping", "FirmwareFaultMatrix.DetectsEveryFaultAndEndsAtRest",
+    "FirmwareFaultMatrix.CoversEveryFault", "FirmwareFaultMatrix.FaultsPageMatchesMeasurements"};
 
 int RunTests(bool self) {
   for (void (*expand)() : testing::internal::Expansions()) expand();

@@ -21,7 +21,7 @@ void ExpectSays(const std::string& text, std::initializer_list<const char*> part
   for (const char* part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << " not in: " << text;
 }
 
-TEST(ToolsAlignProbe, LinesAreReadAndNonsenseIsNot) {
+TEST(ToolsAlignProbe, ParsesValidLinesAndRejectsOthers) {
   const auto pose = ParseProbeLine("pose 123456789 right_finger 0.1 -2 3e-1 0 0 0.6 0.8");
   ASSERT_TRUE(pose);
   EXPECT_EQ(pose->says, ProbeSays::kPose);
@@ -42,13 +42,13 @@ TEST(ToolsAlignProbe, LinesAreReadAndNonsenseIsNot) {
   }
 }
 
-TEST(ToolsAlignProbe, AProgramThatIsNotThereIsNamed) {
+TEST(ToolsAlignProbe, MissingProbeProgramIsNamedInError) {
   const auto probe = AlignProbe::Start("/no/such/probe", false);
   ASSERT_FALSE(probe.ok());
   ExpectSays(probe.error(), {"/no/such/probe", "--probe"});
 }
 
-TEST(ToolsAlignProbe, AChildThatEndsEndsTheLines) {
+TEST(ToolsAlignProbe, ReportsEndWhenChildExits) {
   const auto probe = AlignProbe::Start("/bin/true", false);
   ASSERT_TRUE(probe.ok()) << probe.error();
   const auto line = (*probe)->Next(5000);
@@ -83,7 +83,7 @@ TEST(ToolsAlignNudge, KeysMoveAndTurnAndUndo) {
   EXPECT_EQ(nudge.Key('q'), Nudge::Does::kDone);
 }
 
-TEST(ToolsAlignService, ChoosesTheAlignmentThatIsMeant) {
+TEST(ToolsAlignService, ChoosesAlignmentByNumberOrConnectedHeadset) {
   const auto row = [](const char* runtime, double x) {
     return nlohmann::json{{"runtime", runtime},
                           {"system", "s"},
@@ -120,7 +120,7 @@ AlignOptions With(AlignMethod method) {
 }
 
 // Every method finishes in time, close to the truth, and predicts its error.
-TEST(ToolsAlignSession, EachMethodFindsTheBase) {
+TEST(ToolsAlignSession, EachMethodFindsBaseWithinPredictedError) {
   struct Case {
     AlignMethod method;
     double most_m;
@@ -148,14 +148,14 @@ TEST(ToolsAlignSession, EachMethodFindsTheBase) {
   }
 }
 
-TEST(ToolsAlignSession, EqualSeedsGiveEqualBits) {
+TEST(ToolsAlignSession, IsDeterministicForEqualSeeds) {
   const test::AlignTrial a = test::SimulateAlignment(With(AlignMethod::kTouch), {}, 5);
   const test::AlignTrial b = test::SimulateAlignment(With(AlignMethod::kTouch), {}, 5);
   EXPECT_EQ(a.error_m, b.error_m);
   EXPECT_EQ(a.outcome.base_space.position_m, b.outcome.base_space.position_m);
 }
 
-TEST(ToolsAlignSession, AWrongMarkIsNamed) {
+TEST(ToolsAlignSession, NamesWronglyTouchedMark) {
   test::AlignNoise noise;
   noise.wrong_touch = 1;
   int named = 0, other = 0;
@@ -172,21 +172,21 @@ TEST(ToolsAlignSession, AWrongMarkIsNamed) {
   EXPECT_LE(other, 3);
 }
 
-TEST(ToolsAlignSession, WithoutThePenASweepSaysSo) {
+TEST(ToolsAlignSession, SweepHintsWhenPenIsNotTracked) {
   AlignSession session(With(AlignMethod::kSweep));
   for (int i = 0; i < 1000; ++i) session.Add(0.01 * i, {}, std::nullopt);
   EXPECT_EQ(session.step(), AlignStep::kSweep);
   ExpectSays(session.hint(), {"the pen is not tracked"});
 }
 
-TEST(ToolsAlignSession, AControllerThatIsNotSwungGetsNoFurther) {
+TEST(ToolsAlignSession, TouchStaysInPivotStepUntilControllerIsSwung) {
   AlignSession session(With(AlignMethod::kTouch));
   for (int i = 0; i < 2000; ++i) session.Add(0.011 * i, {}, std::nullopt);
   EXPECT_EQ(session.step(), AlignStep::kPivot);
   ExpectSays(session.hint(), {"swing"});
 }
 
-TEST(ToolsAlignText, QualityHasAWordAndNotANumberIsPoor) {
+TEST(ToolsAlignText, QualityWordFollowsErrorAndNanIsPoor) {
   EXPECT_EQ(AlignQualityWord(0.8e-3), "excellent");
   EXPECT_EQ(AlignQualityWord(1.5e-3), "good");
   EXPECT_EQ(AlignQualityWord(3e-3), "fair");

@@ -31,7 +31,7 @@ base::HallScan ScanAt(int tick, sim::Rig& rig, const sim::MagnetPose* pose, cons
   return scan;
 }
 
-TEST(ToolsCalibrate, WaitsUntilThePenIsAwayAndRefusesASweepWithoutCurrents) {
+TEST(ToolsCalibrate, WaitsForPenRemovalAndRejectsSweepWithoutCurrents) {
   sim::Rig rig(config::DefaultDevice(), {.seed = 3, .noise = sim::NoiseMode::kLowPower});
   sim::Random random(4);
   CalibrationSession session(config::DefaultDevice(), {});
@@ -84,7 +84,7 @@ base::TruthParameters UncalibratedTruth(double remanence_Am2) {
 
 // Before the wipe went on until it no longer turned the core over, a moment of .9 of the greatest stayed and was taken
 // for background.
-TEST(ToolsCalibrate, TheSweepLeavesTheCoreWithoutMemory) {
+TEST(ToolsCalibrate, SweepDemagnetisesTheCore) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   const auto background_T = [&](double remanence_Am2) {
     std::vector<base::Vec3> all;
@@ -114,7 +114,7 @@ TEST(ToolsCalibrate, TheSweepLeavesTheCoreWithoutMemory) {
 
 // The core's hysteresis under a waved pen must not be mistaken for errors of the array: .097 mm on these before it was
 // followed along its way, .03 to .04 mm on an exactly known array, which the bent sensors cost.
-TEST(ToolsCalibrate, ACoreThatRemembersHardlyBendsTheArray) {
+TEST(ToolsCalibrate, CoreHysteresisBarelyAffectsCalibration) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   const base::TruthParameters truth = UncalibratedTruth(4e-3);
   double found_mm = 0, best_mm = 0;
@@ -185,7 +185,7 @@ class FailingBase final : public device::Transport {
   device::TransportInfo info_{.name = "failing (a simulation)", .serial = "x", .simulation = true};
 };
 
-TEST(ToolsCalibrate, SaysWhyTheBaseCannotBeMeasuredAndLeavesItsCoilsAtZero) {
+TEST(ToolsCalibrate, FailureNamesCauseAndLeavesCoilsAtZero) {
   constexpr int kLong = 200'000;
   const sim::MagnetPose near{{0, 0, 0.05}, {0, 0, -1}};
   const auto state = [](wire::State is, bool waits) {
@@ -219,7 +219,7 @@ TEST(ToolsCalibrate, SaysWhyTheBaseCannotBeMeasuredAndLeavesItsCoilsAtZero) {
   }
 }
 
-TEST(ToolsCalibrate, ASimulatedBaseIsCalibratedOnceAndKept) {
+TEST(ToolsCalibrate, CachesCalibrationOfSimulatedBase) {
   const test::TempFolder folder;
   const test::ScopedVariable cache("XDG_CACHE_HOME", folder.Path("cache"));
   const std::string twin = folder.Write("short.toml", "based_on = \"ideal\"\n");
@@ -234,7 +234,7 @@ TEST(ToolsCalibrate, ASimulatedBaseIsCalibratedOnceAndKept) {
   EXPECT_FALSE(KeptTwinCalibration(config::DefaultDevice(), 4, folder.Path("none.toml")).ok());
 }
 
-TEST(ToolsCalibrate, ItsHandIsWrittenAsItIs) {
+TEST(ToolsCalibrate, HandScriptRoundTripsThroughFile) {
   const test::TempFolder folder;
   const sim::HandScript hand = MakeCalibratingHand(config::DefaultDevice(), {.wave_s = 3, .touches = 4});
   const auto read = sim::LoadHandScript(folder.Write("hand.json", WriteHandScript(hand)));
@@ -251,7 +251,7 @@ TEST(ToolsCalibrate, ItsHandIsWrittenAsItIs) {
 }
 
 // The desk's frame 400 mm below does not reveal its depth. This seed's search for the depth once did not converge.
-TEST(ToolsCalibrate, SteelTooFarToBeFoundDoesNotRefuseTheBase) {
+TEST(ToolsCalibrate, UnmeasurablyDistantSteelDoesNotFailCalibration) {
   const auto done = CalibrateTwin(config::DefaultDevice(), 2, config::RoomTwin());
   ASSERT_TRUE(done.ok()) << done.error();
   EXPECT_LT(done->outcome.report.expected_error_m, 0.3e-3);
@@ -274,7 +274,7 @@ void ExpectMentions(const std::string& text, std::initializer_list<std::string> 
 }
 
 // A person waves and touches for two minutes: an unwritable result is reported before that.
-TEST(ToolsCalibrate, SaysBeforeMeasuringThatTheResultCannotBeKept) {
+TEST(ToolsCalibrate, FailsBeforeMeasuringWhenOutputCannotBeWritten) {
   const test::TempFolder folder;
   const std::string there = folder.Write("calibration.toml", "precious");
   const test::Outcome refused = CalibrateTo(there, {});
@@ -288,7 +288,7 @@ TEST(ToolsCalibrate, SaysBeforeMeasuringThatTheResultCannotBeKept) {
   ExpectMentions(nowhere.err, {"cannot be written", "there is no folder"});
 }
 
-TEST(ToolsCalibrate, ReplacesWhenAskedAndGoesBack) {
+TEST(ToolsCalibrate, ReplaceAndRestoreSwapCalibrationFiles) {
   const test::TempFolder folder;
   const std::string path = folder.Path("below/calibration.toml"),
                     previous = folder.Path("below/calibration.previous.toml");

@@ -80,8 +80,8 @@ void ExpectFound(const base::TruthParameters& in, const char* where, double limi
               1e3 * sigma_m);
 }
 
-TEST(ToolsCalibrateTip, FindsTheTipOfAPenThatIsNotAsDrawn) { ExpectFound(config::IdealTwin(), "ideal", 0.15e-3); }
-TEST(ToolsCalibrateTip, FindsItInARoom) { ExpectFound(config::RoomTwin(), "room", 0.3e-3); }
+TEST(ToolsCalibrateTip, FindsTipThatDiffersFromNominal) { ExpectFound(config::IdealTwin(), "ideal", 0.15e-3); }
+TEST(ToolsCalibrateTip, FindsTipWithRoomDisturbances) { ExpectFound(config::RoomTwin(), "room", 0.3e-3); }
 
 // From its third second on the pen's tip is in the dimple.
 sim::HandScript Slides(double by_m) {
@@ -98,7 +98,7 @@ sim::HandScript Leaves() {
   return hand;
 }
 
-TEST(ToolsCalibrateTip, RefusesAPenThatIsNotLeanedSlidesOrIsLost) {
+TEST(ToolsCalibrateTip, RejectsPenThatIsNotTiltedSlidesOrIsLost) {
   const Held held(config::RoomTwin(), 2);
   const auto expect = [&](const sim::HandScript& hand, std::initializer_list<const char*> mentions) {
     const auto tip = TipOf(held, hand);
@@ -132,7 +132,7 @@ double OffDimple_m(const Held& held, const base::Calibration& calibration) {
   return std::sqrt(sum_m2 / count);
 }
 
-TEST(ToolsCalibrateTip, TheCommandChangesTheFileAndTheTickTakesIt) {
+TEST(ToolsCalibrateTip, CommandUpdatesFileAndDevicePointUsesIt) {
   const test::TempFolder folder;
   const Held held(config::IdealTwin(), 1);
   ASSERT_GT(std::abs(held.true_m - held.device.magnet.tip_offset_m), 0.5e-3) << "a seed that shows it";
@@ -179,7 +179,7 @@ TEST(ToolsCalibrateTip, TheCommandChangesTheFileAndTheTickTakesIt) {
   EXPECT_EQ(test::RunOmni(both).status, 2);
 }
 
-TEST(ToolsCalibrateTip, ABaseThatIsMeasuredAgainKeepsItsPensTip) {
+TEST(ToolsCalibrateTip, RecalibratingTheBaseKeepsMeasuredTip) {
   const test::TempFolder folder;
   const Held held(config::IdealTwin(), 1);
   const config::ExpectedBase of{

@@ -51,7 +51,7 @@ sim::HandScript PenAt(const base::Vec3& tip_base_m) {
   return script;
 }
 
-TEST(ToolsCalibrateZero, ABaseThatWasTurnedIsZeroedAgain) {
+TEST(ToolsCalibrateZero, CorrectsUniformFieldChangeOfATurnedBase) {
   base::TruthParameters truth = config::RoomTwin();
   const base::Calibration before = CalibratedIn(truth);
   truth.effects.earth_field_base_T = {-2.0e-5, 2.0e-5, 4.58e-5};  // laid on its side: by 100 uT
@@ -65,7 +65,7 @@ TEST(ToolsCalibrateZero, ABaseThatWasTurnedIsZeroedAgain) {
   EXPECT_EQ(zeroed->calibration.sensors[3].current_map_T_A, before.sensors[3].current_map_T_A);
 }
 
-TEST(ToolsCalibrateZero, SensorsThatDriftedEachForItselfAreZeroedAgain) {
+TEST(ToolsCalibrateZero, CorrectsIndependentSensorDrift) {
   base::TruthParameters truth = config::RoomTwin();
   const base::Calibration before = CalibratedIn(truth);
   truth.imperfections.sensor_offset_T = 5e-6;
@@ -75,7 +75,7 @@ TEST(ToolsCalibrateZero, SensorsThatDriftedEachForItselfAreZeroedAgain) {
   EXPECT_LT(zeroed->uniform_T, 1e-5);
 }
 
-TEST(ToolsCalibrateZero, RefusesAPenAMagnetOrReadingsThatMove) {
+TEST(ToolsCalibrateZero, RejectsNearbyMagnetsAndChangingReadings) {
   const base::TruthParameters truth = config::RoomTwin();
   const base::Calibration before = CalibratedIn(truth);
   const auto expect = [&](const base::TruthParameters& in, const sim::HandScript& hand, const char* words) {
@@ -97,7 +97,7 @@ TEST(ToolsCalibrateZero, RefusesAPenAMagnetOrReadingsThatMove) {
   expect(turning, {}, "meanwhile");
 }
 
-TEST(ToolsCalibrateZero, TheCommandChangesTheFileAndKeepsTheOneBefore) {
+TEST(ToolsCalibrateZero, CommandUpdatesFileAndKeepsPreviousOne) {
   const test::TempFolder folder;
   const base::DeviceGeometry& device = config::DefaultDevice();
   const config::ExpectedBase of{.device = device, .drawing = magnetics::NominalCalibration(device), .serial = "twin-4"};

@@ -54,7 +54,7 @@ std::string Pyramid(const std::string& extras) {
                   {"bufferView": 1, "componentType": 5123, "count": 18, "type": "SCALAR"}]})";
 }
 
-TEST(ToolsCommandLine, HelpNamesEverySubcommandAndTheExitStatuses) {
+TEST(ToolsCommandLine, HelpListsSubcommandsAndExitStatuses) {
   const Outcome help = RunOmni({"--help"});
   EXPECT_EQ(help.status, 0);
   for (const char* word : {"status", "watch", "doctor", "scene", "twin", "Exit status"}) {
@@ -72,7 +72,7 @@ TEST(ToolsCommandLine, VersionIsPrinted) {
   EXPECT_EQ(version.out, "omni " OMNI_VERSION "\n");
 }
 
-TEST(ToolsCommandLine, WrongArgumentsAreTwo) {
+TEST(ToolsCommandLine, WrongArgumentsExitWithStatus2) {
   EXPECT_EQ(RunOmni({}).status, kExitUsage);
   EXPECT_EQ(RunOmni({"dance"}).status, kExitUsage);
   EXPECT_EQ(RunOmni({"status", "--jsn"}).status, kExitUsage);
@@ -83,7 +83,7 @@ TEST(ToolsCommandLine, WrongArgumentsAreTwo) {
   EXPECT_NE(RunOmni({"dance"}).err, "");
 }
 
-TEST(ToolsCommandLine, MistypedWordsNameTheNearestAtEveryLevel) {
+TEST(ToolsCommandLine, SuggestsNearestWordAtEveryLevel) {
   const struct {
     std::vector<std::string> words;
     std::string said;
@@ -112,7 +112,7 @@ TEST(ToolsCommandLine, MistypedWordsNameTheNearestAtEveryLevel) {
   }
 }
 
-TEST(ToolsCommandLine, ScenesAreFoundWithAndWithoutExtensionWhereverOneIsNamed) {
+TEST(ToolsCommandLine, FindsScenesByNameInEveryCommand) {
   const test::TempFolder folder;
   folder.Write("data/scenes/pyramid.gltf", Pyramid(R"(, "extras": {"haptic": {"stiffness": 600}})"));
   const test::ScopedVariable data("OMNI_DATA_DIR", folder.Path("data"));
@@ -131,7 +131,7 @@ TEST(ToolsCommandLine, ScenesAreFoundWithAndWithoutExtensionWhereverOneIsNamed) 
   }
 }
 
-TEST(ToolsCommandLine, ATwinRunThatTracksNothingHasNoErrorAndFails) {
+TEST(ToolsCommandLine, TwinRunFailsWhenNothingIsTracked) {
   const test::TempFolder folder;
   const std::string scene = folder.Write("pyramid.gltf", Pyramid(R"(, "extras": {"haptic": {"stiffness": 600}})"));
   const std::string away = folder.Write(
@@ -183,7 +183,7 @@ TEST(ToolsCommandLine, ReportNamesTheFileThatItWants) {
   ExpectOneLine(report(run.loop, header, run.app).err, {"--truth: " + header, "no rows after its header"});
 }
 
-TEST(ToolsCommandLine, ReportLeavesASummaryThatIsNoneAsItIs) {
+TEST(ToolsCommandLine, ReportDoesNotOverwriteForeignSummaryFile) {
   const test::TempFolder folder;
   const RunFiles run(folder);
   const auto add = [&](const std::string& summary) {
@@ -212,7 +212,7 @@ TEST(ToolsCommandLine, StatusWithoutServiceSaysHowToStartIt) {
   ExpectOneLine(status.err, {"omni status:", socket, "omnid --device twin"});
 }
 
-TEST(ToolsCommandLine, WatchWithoutServiceEndsAndSaysSo) {
+TEST(ToolsCommandLine, WatchWithoutServiceExitsWithRemedy) {
   const test::TempFolder folder;
   const std::string socket = folder.Path("run/omnid.sock");
   const Outcome watch = RunOmni({"watch", "--seconds", "0.2", "--socket", socket});
@@ -233,7 +233,7 @@ TEST(ToolsCommandLine, DoctorFailsWithoutServiceAndListsFixes) {
   }
 }
 
-TEST(ToolsCommandLine, DoctorAcceptsApplicationFilesThatGiveInputsOnly) {
+TEST(ToolsCommandLine, DoctorAcceptsApplicationFilesWithInputsOnly) {
   const test::TempFolder folder;
   folder.Write("config/omni/apps.d/keys.toml", "application = \"a\"\n[inputs]\nselect = [\"press\"]\n");
   const test::ScopedVariable config("XDG_CONFIG_HOME", folder.Path("config"));
@@ -246,7 +246,7 @@ TEST(ToolsCommandLine, DoctorAcceptsApplicationFilesThatGiveInputsOnly) {
   }
 }
 
-TEST(ToolsCommandLine, ExplainShowsWhatIsLoadedAndTheMaterials) {
+TEST(ToolsCommandLine, ExplainShowsLoadedObjectsAndMaterials) {
   const test::TempFolder folder;
   const std::string file = folder.Write(
       "pyramid.gltf", Pyramid(R"(, "extras": {"haptic": {"stiffness": 600, "staticFriction": 0.8, "colour": 1}})"));
@@ -269,7 +269,7 @@ TEST(ToolsCommandLine, ExplainShowsWhatIsLoadedAndTheMaterials) {
   EXPECT_TRUE(stiff) << json["materials"].dump();
 }
 
-TEST(ToolsCommandLine, ExplainSaysWhatAnUntaggedFileCosts) {
+TEST(ToolsCommandLine, ExplainShowsThatUntaggedFileCostsNothing) {
   const test::TempFolder folder;
   const std::string file = folder.Write("plain.gltf", Pyramid(""));
   const Outcome text = RunOmni({"scene", "explain", file});
@@ -289,7 +289,7 @@ TEST(ToolsCommandLine, ExplainSaysWhatAnUntaggedFileCosts) {
   EXPECT_EQ(cost["images_decoded"], 0);
 }
 
-TEST(ToolsCommandLine, ExplainWithFitBringsAnythingIntoReach) {
+TEST(ToolsCommandLine, ExplainWithFitScalesModelIntoReach) {
   const test::TempFolder folder;
   const Outcome fitted = RunOmni({"scene", "explain", "--fit", "--json", folder.Write("p.gltf", Pyramid(""))});
   ASSERT_EQ(fitted.status, 0) << fitted.err;
@@ -299,7 +299,7 @@ TEST(ToolsCommandLine, ExplainWithFitBringsAnythingIntoReach) {
   EXPECT_LE(json["upper_base_m"][2].get<double>(), 0.0375 + 0.031);
 }
 
-TEST(ToolsCommandLine, ExplainRefusesWithOneLine) {
+TEST(ToolsCommandLine, ExplainFailsWithOneLine) {
   const test::TempFolder folder;
   const Outcome gone = RunOmni({"scene", "explain", folder.Path("gone.glb")});
   EXPECT_EQ(gone.status, kExitFailed);
@@ -310,7 +310,7 @@ TEST(ToolsCommandLine, ExplainRefusesWithOneLine) {
   EXPECT_EQ(broken.out, "");
 }
 
-TEST(ToolsCommandLine, BenchmarksSayWhereTheyWent) {
+TEST(ToolsCommandLine, MovedCommandsNameTheirReplacement) {
   for (const std::vector<std::string>& words :
        std::vector<std::vector<std::string>>{{"bench"}, {"bench", "tick", "--seed", "4"}, {"bench", "--help"}}) {
     const Outcome moved = RunOmni(words);

@@ -68,7 +68,7 @@ Lead LeadOf(const tracker::Config& config, const base::TruthParameters& truth, s
 
 // Calibrated by omni calibrate on the twin, whose core's loop has three strings instead of one. Without following it
 // the pen is seen half a millimetre ahead of where it is.
-TEST(ToolsCoreMemory, APenThatSwingsIsNotSeenAheadOfItself) {
+TEST(ToolsCoreMemory, CoreHysteresisDoesNotAdvanceSwingingPen) {
   base::TruthParameters truth = config::IdealTwin();
   truth.imperfections = sim::UncalibratedImperfections();
   truth.effects.remanence_Am2 = 4e-3;
@@ -127,7 +127,7 @@ Shift ShiftBy(const tracker::Config& config, const base::TruthParameters& truth,
 
 // A wall's reaction force must not be mistaken for motion, or the force would feed back into itself. The .3 A are 0.027
 // N here: at 350 N/m these may pass for .08 mm.
-TEST(ToolsCoreMemory, CurrentsDoNotPassForMovements) {
+TEST(ToolsCoreMemory, CoilCurrentsAreNotMistakenForMotion) {
   base::TruthParameters truth = config::IdealTwin();
   truth.imperfections = sim::UncalibratedImperfections();
   constexpr std::uint64_t kSeed = 35;
@@ -143,7 +143,7 @@ TEST(ToolsCoreMemory, CurrentsDoNotPassForMovements) {
   EXPECT_LT(ShiftBy(config, truth, kSeed, 0.09, 13, 0.3, 95).sigma_m, 1.5 * without_m);
 }
 
-TEST(ToolsCoreMemory, OneThatKeepsNothingIsFoundToKeepNothing) {
+TEST(ToolsCoreMemory, CoreWithoutHysteresisIsMeasuredAsSuch) {
   base::TruthParameters truth = config::IdealTwin();
   truth.imperfections = sim::UncalibratedImperfections();
   truth.effects.remanence_Am2 = 0;

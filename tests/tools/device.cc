@@ -49,7 +49,7 @@ TEST(ToolsDevice, ListShowsEveryBase) {
   ExpectHas(done.out, {"A17", "1-1", "480 Mbit/s", "1.2", "B2", "1-2.3", "70-omni.rules"});
 }
 
-TEST(ToolsDevice, NoBaseIsAFailureWithOneLine) {
+TEST(ToolsDevice, EveryCommandFailsWithOneLineWithoutABase) {
   FakeUsbBus bus;
   for (const Done& done : {Do([&](std::ostream& out) { return DeviceList(bus, out); }),
                            Do([&](std::ostream& out) { return DeviceInfo(bus, "", out); }),
@@ -61,7 +61,7 @@ TEST(ToolsDevice, NoBaseIsAFailureWithOneLine) {
   }
 }
 
-TEST(ToolsDevice, InfoNamesFaultsWithAdviceAndTheKeptOne) {
+TEST(ToolsDevice, InfoShowsFaultsWithAdviceAndKeptFault) {
   FakeUsbBus bus(true);
   FakeUsbBus::Entry& entry = bus.Add("A17");
   entry.base.keeps_fault = true;
@@ -91,7 +91,7 @@ nlohmann::json ServiceStatus(const std::string& serial) {
 }
 
 // The service holds the base: endpoint 0 provides its identity, the service its state, and nothing is claimed.
-TEST(ToolsDevice, InfoOfABaseThatTheServiceHoldsAsksTheService) {
+TEST(ToolsDevice, InfoOfBaseInUseComesFromTheService) {
   FakeUsbBus bus;
   FakeUsbBus::Entry& entry = bus.Add("A17");
   entry.open_error = "it must not be opened";
@@ -104,7 +104,7 @@ TEST(ToolsDevice, InfoOfABaseThatTheServiceHoldsAsksTheService) {
                        "1234 frames received, 0 lost, 2 bad", "systemctl --user stop omnid"});
 }
 
-TEST(ToolsDevice, InfoOfAHeldBaseSaysWhyTheServiceDoesNotTell) {
+TEST(ToolsDevice, InfoOfBaseInUseExplainsMissingServiceStatus) {
   FakeUsbBus bus;
   bus.Add("A17");
   const auto info = [&](const std::string& holder, const base::Result<nlohmann::json>& status) {
@@ -123,7 +123,7 @@ TEST(ToolsDevice, InfoOfAHeldBaseSaysWhyTheServiceDoesNotTell) {
   EXPECT_EQ(stranger.find("fan stands"), std::string::npos) << stranger;
 }
 
-TEST(ToolsDevice, InfoOfTwoBasesAsksForASerial) {
+TEST(ToolsDevice, InfoWithTwoBasesRequiresASerial) {
   FakeUsbBus bus(true);
   bus.Add("A17", "1-1");
   bus.Add("B2", "1-2");
@@ -142,7 +142,7 @@ TEST(ToolsDevice, SelfTestPassesAGoodBase) {
   for (const wire::Command& command : entry.base.commands) EXPECT_EQ(command.mode, wire::Mode::kOff);
 }
 
-TEST(ToolsDevice, SelfTestDoesNothingUnlessAgreed) {
+TEST(ToolsDevice, SelfTestDoesNothingWithoutConfirmation) {
   FakeUsbBus bus(true);
   FakeUsbBus::Entry& entry = bus.Add("A17");
   const Done done = Do([&](std::ostream& out) {
@@ -183,7 +183,7 @@ bool Passed(const device::UsbProbe& probe, const std::string& name) {
   return false;
 }
 
-TEST(ToolsDevice, SelfTestJudgesEveryPart) {
+TEST(ToolsDevice, SelfTestDetectsEachKindOfDefect) {
   for (const SelfTestRow& row : JudgeSelfTest(GoodProbe())) EXPECT_TRUE(row.passed) << row.name;
   device::UsbProbe probe = GoodProbe();
   probe.listened_s = 1.1;
@@ -221,7 +221,7 @@ TEST(ToolsDevice, EstopStopsEveryBaseOrTheOneNamed) {
   EXPECT_EQ(second.base.stops, 2);
 }
 
-TEST(ToolsDevice, EstopThatFailsIsLoudAndStopsTheOthers) {
+TEST(ToolsDevice, FailedEstopIsReportedAndOthersStillStop) {
   FakeUsbBus bus;
   bus.Add("A17", "1-1").control_error = "no answer";
   FakeUsbBus::Entry& second = bus.Add("B2", "1-2");
@@ -240,7 +240,7 @@ Done Omni(std::initializer_list<const char*> words) {
   return done;
 }
 
-TEST(ToolsDevice, WrongArgumentsAreTwo) {
+TEST(ToolsDevice, WrongArgumentsExitWithStatus2) {
   EXPECT_EQ(Omni({}).status, kExitUsage);
   EXPECT_EQ(Omni({"dance"}).status, kExitUsage);
   EXPECT_EQ(Omni({"list", "A17"}).status, kExitUsage);
@@ -248,7 +248,7 @@ TEST(ToolsDevice, WrongArgumentsAreTwo) {
   EXPECT_EQ(Omni({"estop", "--yes"}).status, kExitUsage);
 }
 
-TEST(ToolsDevice, FlashHelpAndHelp) {
+TEST(ToolsDevice, HelpListsCommandsAndFlashHelpGivesSteps) {
   const Done help = Omni({"flash-help"});
   EXPECT_EQ(help.status, kExitOk);
   ExpectHas(help.out, {"teensy_loader_cli --mcu=TEENSY40", "firmware/README.md", "omni device selftest"});

@@ -53,14 +53,14 @@ class Doctor : public testing::Test {
   Surroundings there_;
 };
 
-TEST_F(Doctor, LayerNotInstalledNamesTheFoldersSearched) {
+TEST_F(Doctor, MissingLayerNamesSearchedFolders) {
   Expect(
       LookForLayer(there_), Verdict::kFail,
       {"XR_APILAYER_OMNI_stylus", folder_.Path("root/usr/share/openxr/1/api_layers/explicit.d"), "XR_API_LAYER_PATH"});
   Expect(CheckLayerLibrary(there_), Verdict::kFail, {"layer manifest"});
 }
 
-TEST_F(Doctor, LayerIsFoundInSystemAndHomeFolders) {
+TEST_F(Doctor, FindsLayerInSystemAndHomeFolders) {
   const std::string file = Explicit(Manifest(kSomeLayer));
   Expect(LookForLayer(there_), Verdict::kOk, {file, "explicit"});
   fs::remove(file);
@@ -68,7 +68,7 @@ TEST_F(Doctor, LayerIsFoundInSystemAndHomeFolders) {
   Expect(LookForLayer(there_), Verdict::kOk, {implicit, "implicit"});
 }
 
-TEST_F(Doctor, LayerPathReplacesTheExplicitFolders) {
+TEST_F(Doctor, LayerPathVariableReplacesExplicitFolders) {
   Explicit(Manifest(kSomeLayer));
   const std::string file = folder_.Write("build/explicit.d/XrApiLayer_omni.json", Manifest("./libx.so"));
   there_.environment["XR_API_LAYER_PATH"] = folder_.Path("nothing") + ":" + folder_.Path("build/explicit.d");
@@ -89,7 +89,7 @@ TEST_F(Doctor, XdgVariablesReplaceTheirStandardFolders) {
                                                                "/a" + below, "/b" + below, "/home/data" + below}));
 }
 
-TEST_F(Doctor, ManifestsThatTheLoaderSkips) {
+TEST_F(Doctor, ReportsWhyTheLoaderSkipsAManifest) {
   const struct {
     std::string content;
     const char* why;
@@ -117,13 +117,13 @@ TEST_F(Doctor, ImplicitManifestNeedsADisableVariable) {
   Expect(LookForLayer(there_), Verdict::kFail, {"disable_environment"});
 }
 
-TEST_F(Doctor, TwoManifestsOfTheSameKindAreNamed) {
+TEST_F(Doctor, NamesDuplicateManifests) {
   Explicit(Manifest(kSomeLayer));
   Explicit(Manifest(kSomeLayer), "other.json");
   Expect(LintDuplicates(there_), Verdict::kWarn, {"XrApiLayer_omni.json", "other.json"});
 }
 
-TEST_F(Doctor, LibraryIsOpenedAndAsked) {
+TEST_F(Doctor, ChecksThatLibraryOpensAndExportsNegotiation) {
   Explicit(Manifest(folder_.Path("gone.so")));
   Expect(CheckLayerLibrary(there_), Verdict::kFail, {folder_.Path("gone.so"), "does not exist"});
   Explicit(Manifest(folder_.Write("text.so", "not a library")));
@@ -137,20 +137,20 @@ TEST_F(Doctor, LibraryIsOpenedAndAsked) {
   Expect(CheckLayerLibrary(there_), Verdict::kOk, {kSomeLayer});
 }
 
-TEST_F(Doctor, EnabledByVariable) {
+TEST_F(Doctor, LayerIsEnabledByXrEnableApiLayers) {
   Explicit(Manifest(kSomeLayer));
   Expect(CheckEnabledLayers(there_), Verdict::kWarn, {"not enabled", "XR_ENABLE_API_LAYERS=XR_APILAYER_OMNI_stylus"});
   there_.environment["XR_ENABLE_API_LAYERS"] = "XR_APILAYER_OMNI_stylus";
   Expect(CheckEnabledLayers(there_), Verdict::kOk, {});
 }
 
-TEST_F(Doctor, AMissingEnabledLayerStopsEveryApplication) {
+TEST_F(Doctor, FailsWhenAnEnabledLayerIsMissing) {
   Explicit(Manifest(kSomeLayer));
   there_.environment["XR_ENABLE_API_LAYERS"] = "XR_APILAYER_OMNI_stylus:XR_APILAYER_GONE";
   Expect(LintBadInstallation(there_), Verdict::kFail, {"XR_APILAYER_GONE", "no OpenXR application starts"});
 }
 
-TEST_F(Doctor, ImplicitLayerAndItsSwitches) {
+TEST_F(Doctor, ImplicitLayerHonoursEnableAndDisableVariables) {
   Implicit(Manifest(kSomeLayer, R"(, "disable_environment": "NO_OMNI", "enable_environment": "USE_OMNI")"));
   Expect(CheckEnabledLayers(there_), Verdict::kWarn, {"not enabled"});
   there_.environment["USE_OMNI"] = "";  // being set is enough
@@ -160,7 +160,7 @@ TEST_F(Doctor, ImplicitLayerAndItsSwitches) {
 }
 
 // Observed with Debian's loader 1.0.20: it searches implicit layers for such a name only if there is an explicit one.
-TEST_F(Doctor, AnImplicitLayerIsFoundByNameOnlyBesideAnExplicitOne) {
+TEST_F(Doctor, ImplicitLayerByNameNeedsAnExplicitLayer) {
   Implicit(Manifest(kSomeLayer, R"(, "disable_environment": "NO_OMNI")"));
   there_.environment["XR_ENABLE_API_LAYERS"] = "XR_APILAYER_OMNI_stylus";
   Expect(LintBadInstallation(there_), Verdict::kFail, {"XR_APILAYER_OMNI_stylus"});
@@ -177,7 +177,7 @@ TEST_F(Doctor, SteamNeedsItsLaunchOptions) {
   Expect(CheckSteam(there_), Verdict::kOk, {});
 }
 
-TEST_F(Doctor, RuntimeByVariableUserAndSystem) {
+TEST_F(Doctor, FindsRuntimeByVariableUserThenSystem) {
   Expect(LookForRuntime(there_), Verdict::kFail, {"active_runtime.json", "XR_RUNTIME_JSON"});
   const std::string library = folder_.Write("lib/librt.so", "x");
   const std::string manifest = R"({"file_format_version": "1.0.0", "runtime": {"library_path": ")" + library + "\"}}";
@@ -189,7 +189,7 @@ TEST_F(Doctor, RuntimeByVariableUserAndSystem) {
   Expect(LookForRuntime(there_), Verdict::kFail, {"rt.json", "runtime.library_path"});
 }
 
-TEST_F(Doctor, ManifestsWithoutEndAreRefused) {
+TEST_F(Doctor, RejectsPipesDevicesAndOversizedManifests) {
   const std::string pipe = folder_.Path("pipe.json");
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   for (const std::string& endless : {pipe, std::string("/dev/zero")}) {
@@ -202,7 +202,7 @@ TEST_F(Doctor, ManifestsWithoutEndAreRefused) {
   Expect(LookForLayer(there_), Verdict::kFail, {"XrApiLayer_omni.json", "1000 members, the limit"});
 }
 
-TEST_F(Doctor, ActiveRuntimeLinkIsFollowedForRelativeLibraries) {
+TEST_F(Doctor, ResolvesRelativeLibraryThroughRuntimeSymlink) {
   folder_.Write("opt/rt/librt.so", "x");
   const std::string real = folder_.Write("opt/rt/rt.json", R"({"runtime": {"library_path": "./librt.so"}})");
   fs::create_directories(folder_.Path("home/.config/openxr/1"));
@@ -221,7 +221,7 @@ TEST_F(Doctor, SocketFolderMustBeOursAlone) {
   Expect(CheckSocketFolder(there_), Verdict::kFail, {"107", "OMNI_SOCKET"});
 }
 
-TEST_F(Doctor, ServiceDownOldOrTroubled) {
+TEST_F(Doctor, ReportsServiceStoppedOutdatedOrWithProblems) {
   Expect(LookForService(there_), Verdict::kFail, {"does not answer", "omnid --device twin"});
   there_.service = {.running = true, .error = {}, .status = {{"service", {{"version", OMNI_VERSION}, {"pid", 7}}}}};
   Expect(LookForService(there_), Verdict::kOk, {"pid 7"});
@@ -231,7 +231,7 @@ TEST_F(Doctor, ServiceDownOldOrTroubled) {
   Expect(LookForService(there_), Verdict::kWarn, {"0.0.1", OMNI_VERSION});
 }
 
-TEST_F(Doctor, DeviceAbsentOrSimulated) {
+TEST_F(Doctor, ReportsAbsentAndSimulatedDevice) {
   Expect(LookForDevice(there_), Verdict::kWarn, {"omnid does not run"});
   there_.service = {.running = true, .error = {}, .status = {{"device", {{"name", nullptr}, {"absent", "no twin"}}}}};
   Expect(LookForDevice(there_), Verdict::kFail, {"no twin"});
@@ -239,7 +239,7 @@ TEST_F(Doctor, DeviceAbsentOrSimulated) {
   Expect(LookForDevice(there_), Verdict::kOk, {"twin", "simulation"});
 }
 
-TEST_F(Doctor, CalibrationNoneRefusedMisfitOrFine) {
+TEST_F(Doctor, ReportsEachCalibrationState) {
   Expect(CheckCalibration(there_), Verdict::kWarn, {"omnid does not run"});
   there_.service = {.running = true, .error = {}, .status = {{"device", {{"name", nullptr}}}}};
   Expect(CheckCalibration(there_), Verdict::kWarn, {"without a device"});
@@ -257,7 +257,7 @@ TEST_F(Doctor, CalibrationNoneRefusedMisfitOrFine) {
   Expect(CheckCalibration(there_), Verdict::kFail, {"does not fit", "omni calibrate --replace"});
 }
 
-TEST_F(Doctor, TheRoomIsFineOrEveryFindingIsNamedWithWhatToDo) {
+TEST_F(Doctor, ListsEveryRoomFindingWithItsFix) {
   Expect(CheckRoom(there_), Verdict::kWarn, {"omnid does not run"});
   there_.service = {.running = true, .error = {}, .status = {{"device", {{"name", nullptr}}}}};
   Expect(CheckRoom(there_), Verdict::kWarn, {"without a device"});
@@ -271,7 +271,7 @@ TEST_F(Doctor, TheRoomIsFineOrEveryFindingIsNamedWithWhatToDo) {
   Expect(CheckRoom(there_), Verdict::kFail, {"another magnet; sensor 3 gives nothing", "take it away; its cable"});
 }
 
-TEST_F(Doctor, RealtimeIsWhatTheServiceGot) {
+TEST_F(Doctor, RealtimeFollowsTheServiceStatus) {
   there_.service = {
       .running = true, .error = {}, .status = {{"tick", {{"realtime", true}, {"late", 2}, {"count", 9}}}}};
   Expect(CheckRealtime(there_), Verdict::kOk, {"2 late ticks of 9"});
@@ -279,13 +279,13 @@ TEST_F(Doctor, RealtimeIsWhatTheServiceGot) {
   Expect(CheckRealtime(there_), Verdict::kWarn, {"SCHED_FIFO refused", "limits.d", "rtkit", "systemd"});
 }
 
-TEST_F(Doctor, RealtimeWithoutServiceIsTried) {
+TEST_F(Doctor, RealtimeIsTriedDirectlyWithoutService) {
   const Finding finding = CheckRealtime(there_);
   EXPECT_NE(finding.verdict, Verdict::kFail) << "late ticks are no reason not to work";
   EXPECT_EQ(finding.fix.empty(), finding.verdict == Verdict::kOk);
 }
 
-TEST_F(Doctor, ApplicationFilesAndTheirScenes) {
+TEST_F(Doctor, ReportsBadApplicationFilesAndMissingScenes) {
   there_.app_folders = {folder_.Path("apps.d")};
   there_.scenes_folder = folder_.Path("scenes");
   Expect(CheckApplications(there_), Verdict::kWarn, {"no application", "apps.d"});
@@ -295,7 +295,7 @@ TEST_F(Doctor, ApplicationFilesAndTheirScenes) {
   Expect(CheckApplications(there_), Verdict::kFail, {"20-b.toml", "application"});
 }
 
-TEST_F(Doctor, AlignmentIsAssumed) {
+TEST_F(Doctor, WarnsWhenNotAligned) {
   Expect(CheckAlignment(there_), Verdict::kWarn, {"not aligned: the base is assumed to be in front of you"});
   there_.service.status = {{"aligned", true}};
   Expect(CheckAlignment(there_), Verdict::kOk, {});
@@ -313,7 +313,7 @@ TEST_F(Doctor, ReportHasEveryDiagnosisOnce) {
   EXPECT_FALSE(AnyFailed({{"a", {Verdict::kWarn, "w", "f"}}, {"b", {Verdict::kOk, "o", ""}}}));
 }
 
-TEST_F(Doctor, SimulationIsSaidFirst) {
+TEST_F(Doctor, SimulationIsTheFirstLine) {
   const nlohmann::json status = {{"SIMULATION", "no base"}};
   EXPECT_EQ(DoctorText({{"a", {Verdict::kOk, "o", ""}}}, status).rfind("SIMULATION: no base\n", 0), 0U);
   EXPECT_EQ(DoctorJson({}, status).dump().rfind(R"({"SIMULATION":"no base")", 0), 0U);

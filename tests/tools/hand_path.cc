@@ -23,7 +23,7 @@ haptics::Scene Ball(const Vec3& centre_m, double radius_m) {
       {}));
 }
 
-TEST(HandPath, PressesWhereABallIsFlatEnoughToHoldOn) {
+TEST(HandPath, PressesOnlyWhereTheSurfaceIsFlatEnough) {
   constexpr double kRadius_m = 0.015;
   const Vec3 centre{0.004, -0.003, 0.050};
   const HandPathOptions options;
@@ -42,7 +42,7 @@ TEST(HandPath, PressesWhereABallIsFlatEnoughToHoldOn) {
   EXPECT_EQ(presses, options.places.places);
 }
 
-TEST(HandPath, SaysWhatIsReachableWhenNothingIs) {
+TEST(HandPath, ErrorGivesReachWhenNothingIsWithinIt) {
   const auto script = MakeHandPath(Ball({0, 0, 0.2}, 0.01), {});
   ASSERT_FALSE(script.ok());
   EXPECT_NE(script.error().find("4.0"), std::string::npos) << script.error();

@@ -51,7 +51,7 @@ class LayerStore : public testing::Test {
   std::string explicit_;
 };
 
-TEST_F(LayerStore, EnableWritesASoundImplicitManifestForTheLibraryBesideTheProgram) {
+TEST_F(LayerStore, EnableWritesValidImplicitManifest) {
   const auto enabled = EnableLayer(there_, LayerScope::kUser);
   ASSERT_TRUE(enabled.ok()) << enabled.error();
   EXPECT_EQ(enabled->file, UserFile());
@@ -70,7 +70,7 @@ TEST_F(LayerStore, EnableWritesASoundImplicitManifestForTheLibraryBesideTheProgr
   EXPECT_EQ(LintBadInstallation(there_).verdict, Verdict::kOk);
 }
 
-TEST_F(LayerStore, EnableAgainRenewsAndFoldersFollowTheRulesOfXdg) {
+TEST_F(LayerStore, EnableReplacesOwnManifestAndFollowsXdgFolders) {
   ASSERT_TRUE(EnableLayer(there_, LayerScope::kUser).ok());
   const auto again = EnableLayer(there_, LayerScope::kUser);
   ASSERT_TRUE(again.ok()) << again.error();
@@ -84,7 +84,7 @@ TEST_F(LayerStore, EnableAgainRenewsAndFoldersFollowTheRulesOfXdg) {
   EXPECT_EQ(*ImplicitFolder(there_, LayerScope::kSystem) / "XrApiLayer_omni.json", SystemFile());
 }
 
-TEST_F(LayerStore, OneStoreAtATime) {
+TEST_F(LayerStore, RefusesToEnableForUserAndSystemAtOnce) {
   ASSERT_TRUE(EnableLayer(there_, LayerScope::kSystem).ok());
   EXPECT_TRUE(fs::exists(SystemFile()));
   ExpectRefused(LayerScope::kUser, {SystemFile(), "omni layer disable --system"});
@@ -93,7 +93,7 @@ TEST_F(LayerStore, OneStoreAtATime) {
   ExpectRefused(LayerScope::kSystem, {UserFile(), "omni layer disable --user"});
 }
 
-TEST_F(LayerStore, DisableTakesEveryManifestOfOursAndNoOther) {
+TEST_F(LayerStore, DisableRemovesAllOwnManifestsAndNoOthers) {
   EXPECT_TRUE(DisableLayer(there_, LayerScope::kUser)->empty()) << "nothing there is no error";
   ASSERT_TRUE(EnableLayer(there_, LayerScope::kUser).ok());
   const fs::path folder = fs::path(UserFile()).parent_path();
@@ -117,7 +117,7 @@ TEST_F(LayerStore, RefusalsNameTheFileAndTheRemedy) {
   ExpectRefused(LayerScope::kUser, {file, "XR_APILAYER_OTHER_one"});
 }
 
-TEST_F(LayerStore, WithoutAWorkingLibraryNothingIsWritten) {
+TEST_F(LayerStore, WritesNothingWithoutAWorkingLibrary) {
   fs::remove(explicit_);
   ExpectRefused(LayerScope::kUser, {"XR_APILAYER_OMNI_stylus", "XrApiLayer_omni"});
   folder_.Write("build/share/openxr/1/api_layers/explicit.d/XrApiLayer_omni.json",
@@ -131,7 +131,7 @@ TEST_F(LayerStore, WithoutAWorkingLibraryNothingIsWritten) {
   EXPECT_EQ(FindInstalledLayer(there_)->file, installed);
 }
 
-TEST_F(LayerStore, ABrokenManifestIsReplaced) {
+TEST_F(LayerStore, EnableReplacesBrokenManifest) {
   folder_.Write("home/.local/share/openxr/1/api_layers/implicit.d/XrApiLayer_omni.json", "{ half of");
   const auto enabled = EnableLayer(there_, LayerScope::kUser);
   ASSERT_TRUE(enabled.ok()) << enabled.error();
@@ -150,7 +150,7 @@ TEST(ElfFile, SaysWhatALibraryNeedsAndExports) {
 }
 
 // Reading terminates and stays in bounds for any bytes.
-TEST(ElfFile, SpoiltFilesAreReadToTheirEndOrRefused) {
+TEST(ElfFile, SurvivesCorruptedFiles) {
   test::TempFolder folder;
   std::ifstream in(kLibrary, std::ios::binary);
   const std::string good((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());

@@ -209,7 +209,7 @@ const Defect kDefects[] = {
      }},
 };
 
-TEST(LayerRules, ACleanTreeHasNoFindingAndEachSeededDefectIsNamed) {
+TEST(LayerRules, FindOnlySeededDefectsAndNameThem) {
   constexpr std::uint64_t kSeedsPerDefect = 3;
   for (const Defect& defect : kDefects) {
     for (std::uint64_t seed = 1; seed <= kSeedsPerDefect; ++seed) {
@@ -241,7 +241,7 @@ TEST(LayerRules, ACleanTreeHasNoFindingAndEachSeededDefectIsNamed) {
   }
 }
 
-TEST(LayerRules, TheOrderThatWorksIsNotObjectedTo) {
+TEST(LayerRules, AcceptWorkingLayerOrder) {
   Random random(1);
   Tree tree(random);
   tree.Enable(tree.Add(kLayerName, false).name);
@@ -250,7 +250,7 @@ TEST(LayerRules, TheOrderThatWorksIsNotObjectedTo) {
 }
 
 // One manifest per architecture, as Debian installs them, is no duplicate.
-TEST(LayerRules, ALayerOfTwoArchitecturesIsNoDuplicate) {
+TEST(LayerRules, AcceptOneManifestPerArchitecture) {
   Random random(2);
   Tree tree(random);
   GeneratedLayer layer = tree.Add("XR_APILAYER_TEST_multi", false, "root/usr/share");
@@ -267,7 +267,7 @@ TEST(LayerRules, ALayerOfTwoArchitecturesIsNoDuplicate) {
 }
 
 // Our rules accept exactly the layers that the loader of this machine lists, on valid and on defective trees.
-TEST(LayerRules, TheLoaderOfThisMachineAgrees) {
+TEST(LayerRules, MatchTheInstalledOpenXrLoader) {
   if (!QueryLoader().asked) GTEST_SKIP() << "no libopenxr_loader.so.1 here";
   for (std::uint64_t seed = 1; seed <= 28; ++seed) {
     Random random(seed);

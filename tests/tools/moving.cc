@@ -55,7 +55,7 @@ Outcome RunRacetrack(std::uint64_t seed, double seconds) {
   return outcome;
 }
 
-TEST(MovingPen, ASpringThatPullsAllTheTimeCostsLittle) {
+TEST(MovingPen, ConstantSpringForceBarelyDegradesTracking) {
   double mean_mm = 0, p95_mm = 0;
   std::uint64_t held = 0, compared = 0;
   constexpr std::uint64_t kSeeds = 3;

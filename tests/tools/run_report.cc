@@ -65,7 +65,7 @@ TEST_F(RunReportTest, MeasuresAgainstTheInterpolatedTruth) {
   EXPECT_TRUE(Shortcomings(*report).empty());
 }
 
-TEST_F(RunReportTest, ARunWithoutAPoseHasNoErrors) {
+TEST_F(RunReportTest, ReportsNullErrorsWithoutATrackedPose) {
   Write(0);
   std::ofstream(files_.loop) << "t_ns,late,status,magnet_x_m,magnet_y_m,magnet_z_m,tip_x_m,tip_y_m,tip_z_m,force_x_N,"
                                 "force_y_N,force_z_N,select,haptic_pulses\n500000,0,0,0,0,0,0,0,0,0,0,0,0,0\n";
@@ -79,7 +79,7 @@ TEST_F(RunReportTest, ARunWithoutAPoseHasNoErrors) {
   EXPECT_FALSE(Shortcomings(*report).empty());
 }
 
-TEST_F(RunReportTest, SaysWhatIsMissing) {
+TEST_F(RunReportTest, ListsEveryShortcoming) {
   Write(6e-3);
   RunData data;
   auto report = MakeReport("test", files_, data);
@@ -94,7 +94,7 @@ TEST_F(RunReportTest, SaysWhatIsMissing) {
   EXPECT_EQ(Shortcomings(*report).size(), 7U);
 }
 
-TEST_F(RunReportTest, BadRecordingsNameFileAndLine) {
+TEST_F(RunReportTest, ErrorsForBadRecordingsNameFileAndLine) {
   Write(0);
   RunData data;
   std::ofstream(files_.truth) << "t_ns,present\n1,1\n";
@@ -112,7 +112,7 @@ TEST_F(RunReportTest, BadRecordingsNameFileAndLine) {
   EXPECT_FALSE(MakeReport("test", files_, data).ok());
 }
 
-TEST_F(RunReportTest, ALastLineCutOffByAKillIsLeftOut) {
+TEST_F(RunReportTest, IgnoresTruncatedLastLine) {
   std::ofstream(files_.truth) << "t_ns,present\n1,1\n2,";
   const auto cut = CsvTable::Read(files_.truth);
   ASSERT_TRUE(cut.ok()) << cut.error();
@@ -122,7 +122,7 @@ TEST_F(RunReportTest, ALastLineCutOffByAKillIsLeftOut) {
   EXPECT_EQ(shorter->rows(), 1U);
 }
 
-TEST_F(RunReportTest, PictureIsWellFormedEnough) {
+TEST_F(RunReportTest, PictureIsSvgWithEscapedTextAndNoNan) {
   Write(1e-4);
   RunData data;
   auto report = MakeReport("a<b&c", files_, data);
@@ -134,7 +134,7 @@ TEST_F(RunReportTest, PictureIsWellFormedEnough) {
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
 
-TEST(Statistics, NearestRank) {
+TEST(Statistics, QuantileUsesNearestRankAndIsNanWhenEmpty) {
   EXPECT_TRUE(std::isnan(Quantile({}, 0.5))) << "not measured is no zero";
   EXPECT_TRUE(std::isnan(Mean({})));
   EXPECT_EQ(Quantile({3, 1, 2}, 0.5), 2);
@@ -143,7 +143,7 @@ TEST(Statistics, NearestRank) {
   EXPECT_DOUBLE_EQ(Mean({1, 2, 6}), 3);
 }
 
-TEST(BenchOutput, WhatWasNotMeasuredIsNullAndNamed) {
+TEST(BenchOutput, UnmeasuredFiguresAreNullAndListed) {
   const Rows rows{{{"scene", "a"}, {"us_median", Quantile({}, 0.5)}, {"us_p99", 1.5}, {"syscalls", nullptr}},
                   {{"table", "ratios"}, {"ratio", 1.5 / 0.0}}};
   EXPECT_EQ(NotMeasured(rows), (std::vector<std::string>{"us_median of a", "ratio of ratios"}));
@@ -155,7 +155,7 @@ TEST(BenchOutput, WhatWasNotMeasuredIsNullAndNamed) {
   for (const char* word : {"nan", "inf"}) EXPECT_EQ(RowTable(rows).find(word), std::string::npos);
 }
 
-TEST(BenchOutput, DocumentHasTheContractedKeys) {
+TEST(BenchOutput, DocumentHasTheDocumentedKeys) {
   const Rows rows{{{"scene", "a"}, {"ticks", 5}, {"us_median", 1.5}, {"syscalls", nullptr}}};
   const auto document = RowDocument("loop", rows);
   EXPECT_EQ(document.at("name"), "loop");

@@ -31,7 +31,7 @@ std::size_t FilesIn(const std::string& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
 }
 
-TEST(ToolsWholeFile, IsWrittenOrLeftAsItWas) {
+TEST(ToolsWholeFile, ReplacesExistingFileOnlyWithForce) {
   const TempFolder folder;
   const std::string path = folder.Path("a.glb"), first(100'000, 'a'), second = "b";
   ASSERT_TRUE(WriteWholeFile(path, first, false).ok());
@@ -49,7 +49,7 @@ TEST(ToolsWholeFile, IsWrittenOrLeftAsItWas) {
   EXPECT_EQ(status.st_mode & 0600U, 0600U);
 }
 
-TEST(ToolsWholeFile, SaysWhatIsInTheWay) {
+TEST(ToolsWholeFile, ErrorsNameTheObstacle) {
   const TempFolder folder;
   EXPECT_NE(WriteWholeFile(folder.Path("no/such/a.glb"), "x", false).error().find("another folder"), std::string::npos);
   EXPECT_NE(WriteWholeFile(folder.Path(), "x", true).error().find("is a folder"), std::string::npos);
@@ -58,7 +58,7 @@ TEST(ToolsWholeFile, SaysWhatIsInTheWay) {
   EXPECT_EQ(FilesIn(folder.Path()), 1U);
 }
 
-TEST(ToolsSceneEdit, ShowsObjectsAlsoWhenAServiceSaysLess) {
+TEST(ToolsSceneEdit, ShowsObjectsAndToleratesMissingFields) {
   const json edits = json::parse(R"({"client": 4, "scene": "/s/clay.glb", "objects": [
     {"object": 0, "name": "clay", "triangles": 1200, "strokes": 3, "undone": 1, "undo_bytes": 45000,
      "page_bytes": 200000, "stroke_open": true}]})");
@@ -70,7 +70,7 @@ TEST(ToolsSceneEdit, ShowsObjectsAlsoWhenAServiceSaysLess) {
   EXPECT_FALSE(EditsText(json::parse(R"({"objects": [3, {}]})")).empty());
 }
 
-TEST(ToolsSceneEdit, WithoutAServiceItSaysSo) {
+TEST(ToolsSceneEdit, WithoutServiceExitsWithItsStatusAndRemedy) {
   const TempFolder folder;
   const std::string socket = folder.Path("omnid.sock"), file = folder.Path("out.glb");
   for (const std::vector<const char*>& words :
@@ -83,7 +83,7 @@ TEST(ToolsSceneEdit, WithoutAServiceItSaysSo) {
   EXPECT_FALSE(fs::exists(file));
 }
 
-TEST(ToolsSceneEdit, StatusShowsHowFarSoftBodiesAre) {
+TEST(ToolsSceneEdit, StatusShowsSoftBodyProgress) {
   json status = json::parse(R"({"scene": {"name": "s.glb", "sculpted": 1,
                                "soft_bodies": {"objects": 2, "ready": 1, "failed": 0, "done": 0.437}}})");
   EXPECT_NE(StatusText(status).find("1 of 2 soft bodies ready, 43 %; layers until then\n"), std::string::npos)

@@ -115,7 +115,7 @@ Start Play(const TruthParameters& truth, const sim::HandScript& script, double r
   return start;
 }
 
-TEST(ToolsStarts, APenOnTheHullIsTrackedAtOnce) {
+TEST(ToolsStarts, TracksPenOnTheHullWithin100Milliseconds) {
   ASSERT_TRUE(Calibrated());
   const base::DeviceGeometry device = Device();
   const sim::Rig rig(device, {.seed = kSeed, .sizes = config::RoomTwin().imperfections});
@@ -148,7 +148,7 @@ sim::HandScript BroughtFrom(double away_m, sim::Random& draw) {
                         {0.2, to_m, Normalized(-1.0 * to_m), true}}};
 }
 
-TEST(ToolsStarts, APenThatIsBroughtIsNoGhostOnItsWay) {
+TEST(ToolsStarts, ApproachingPenGivesNoFalsePoses) {
   ASSERT_TRUE(Calibrated());
   sim::Random draw(2);
   for (const Change& change : Changes()) {
@@ -168,7 +168,7 @@ TEST(ToolsStarts, APenThatIsBroughtIsNoGhostOnItsWay) {
   }
 }
 
-TEST(ToolsStarts, NoPenIsNoGhost) {
+TEST(ToolsStarts, NoFalsePosesWithoutAPen) {
   ASSERT_TRUE(Calibrated());
   sim::Random draw(3);
   for (const Change& change : Changes()) {

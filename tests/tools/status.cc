@@ -30,7 +30,7 @@ TEST(StatusText, InputsBySourceAndDevice) {
   EXPECT_EQ(StatusText(nlohmann::json::object()).find("inputs"), std::string::npos) << "of an older omnid";
 }
 
-TEST(StatusText, CalibrationInUseRefusedOrUnfit) {
+TEST(StatusText, DescribesEachCalibrationState) {
   const auto line = [](const nlohmann::json& status) {
     const std::string text = StatusText(status);
     const std::size_t at = text.find("calibrated ");

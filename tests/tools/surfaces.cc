@@ -26,7 +26,7 @@ SurfacesView SomeView() {
   return view;
 }
 
-TEST(SurfacesText, OneLineAnObject) {
+TEST(SurfacesText, OneLinePerObject) {
   const std::string text = SurfacesText(SomeView());
   EXPECT_NE(text.find("scene 3, memory 7 of 5.4 MB, checked 90.0 times per second\n"), std::string::npos) << text;
   EXPECT_NE(text.find("soft, moved"), std::string::npos) << text;
@@ -36,7 +36,7 @@ TEST(SurfacesText, OneLineAnObject) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 4);
 }
 
-TEST(SurfacesText, SaysWhyThereIsNothing) {
+TEST(SurfacesText, ExplainsWhyNothingIsShown) {
   SurfacesView view;
   view.problem = "omnid at /x does not answer";
   EXPECT_EQ(SurfacesText(view), "no service: omnid at /x does not answer\n");
@@ -46,7 +46,7 @@ TEST(SurfacesText, SaysWhyThereIsNothing) {
   EXPECT_NE(SurfacesText(view).find("nothing to draw"), std::string::npos);
 }
 
-TEST(SurfacesText, ALongNameKeepsItsLine) {
+TEST(SurfacesText, ColumnsStayAlignedForLongNames) {
   SurfacesView view = SomeView();
   view.rows[0].name = std::string(47, 'x');
   const std::string text = SurfacesText(view);

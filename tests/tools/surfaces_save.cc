@@ -33,7 +33,7 @@ PublishedSurfaces::Object SomeObject(const std::string& name, std::uint64_t seed
   return object;
 }
 
-TEST(SurfacesSave, TheFileHoldsEachSurfaceWhereItIs) {
+TEST(SurfacesSave, FileHasEverySurfaceAtItsPose) {
   const test::TempFolder folder;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
@@ -68,7 +68,7 @@ TEST(SurfacesSave, TheFileHoldsEachSurfaceWhereItIs) {
   }
 }
 
-TEST(SurfacesSave, WhatHasNoSurfaceIsLeftOut) {
+TEST(SurfacesSave, OmitsObjectsWithoutASurface) {
   PublishedSurfaces surfaces;
   surfaces.objects = {SomeObject("clay", 1), {.name = "moved only", .copy = {}}};
   EXPECT_EQ(SceneOfSurfaces(surfaces).objects.size(), 1U);
@@ -77,7 +77,7 @@ TEST(SurfacesSave, WhatHasNoSurfaceIsLeftOut) {
   EXPECT_FALSE(scene::GlbBytes(SceneOfSurfaces(surfaces)).ok()) << "a file without anything is not written";
 }
 
-TEST(SurfacesSave, SaysWhatIsDisplacedMostAndWhen) {
+TEST(SurfacesSave, ReportsLargestDisplacementAndItsTime) {
   PublishedSurfaces surfaces;
   EXPECT_EQ(surfaces.MostDisplaced(), 0U);
   EXPECT_EQ(surfaces.LargestDisplacement_m(), 0);
@@ -95,7 +95,7 @@ int StatusOf(const std::vector<const char*>& words, std::string* said) {
   return status;
 }
 
-TEST(SurfacesSave, RefusesWithAReason) {
+TEST(SurfacesSave, FailsWithoutServiceOrOverExistingFile) {
   const test::TempFolder folder;
   const std::string socket = folder.Path("omnid.sock"), file = folder.Path("out.glb");
   std::string said;

@@ -60,7 +60,7 @@ TEST_F(TrackFiles, ReadsAnyUnitAndWindowsLineEnds) {
   }
 }
 
-TEST_F(TrackFiles, CurrentsAreOptionalButWhole) {
+TEST_F(TrackFiles, CurrentColumnsAreAllOrNone) {
   std::string rows;
   for (int i = 0; i < 4; ++i) rows += "0," + std::to_string(i) + ",10,20,30,1.5,-2,0\n";
   const std::string header = "pose,sensor,bx_uT,by_uT,bz_uT,i0_A,i1_A,i2_A\n";
@@ -71,7 +71,7 @@ TEST_F(TrackFiles, CurrentsAreOptionalButWhole) {
   ExpectWords(ReadingsError("pose,sensor,bx_uT,by_uT,bz_uT,i0_A\n0,0,1,1,1,0\n"), {"i0_A", "only 1"});
 }
 
-TEST_F(TrackFiles, BadReadingsAreTold) {
+TEST_F(TrackFiles, ErrorsForBadReadingsNameTheCause) {
   const std::string good = std::string(kHeader) + kPose;
   ExpectWords(ReadingsError("pose,sensor,bx_uT,by_uT\n"), {"header but no rows"});
   ExpectWords(ReadingsError("pose,sensor,bx_uT,by_uT\n0,0,1,1\n"), {"bz", "missing", "bz_uT", "pose, sensor"});
@@ -97,7 +97,7 @@ TEST_F(TrackFiles, BadReadingsAreTold) {
   EXPECT_FALSE(ReadRecording(folder_.Path(), Four()).ok());
 }
 
-TEST_F(TrackFiles, BadTruthIsTold) {
+TEST_F(TrackFiles, ErrorsForBadTruthNameTheCause) {
   const std::string header = "pose,x_mm,y_mm,z_mm,ux,uy,uz\n";
   ExpectWords(TruthError("pose,x_mm,y_mm,ux,uy,uz\n0,1,1,0,0,1\n"), {"z with its unit", "z_mm"});
   ExpectWords(TruthError(header + "0,1,1,1,0,0,2\n"), {"length 2"});
@@ -107,7 +107,7 @@ TEST_F(TrackFiles, BadTruthIsTold) {
   ExpectWords(TruthError("pose,pose,y_m\n0,1,1\n"), {"twice"});
 }
 
-TEST_F(TrackFiles, WhatIsWrittenReadsBack) {
+TEST_F(TrackFiles, WrittenFilesReadBackEqual) {
   const auto recording = ReadRecording(folder_.Write("r.csv", std::string(kHeader) + kPose), Four());
   ASSERT_TRUE(recording.ok());
   const auto back = ReadRecording(folder_.Write("back.csv", WriteRecording(*recording)), Four());
@@ -122,7 +122,7 @@ TEST_F(TrackFiles, WhatIsWrittenReadsBack) {
 }
 
 // The public family's layout: gain from the magnetisation that a sensor sees, rotation vector sensor -> common frame.
-TEST_F(TrackFiles, LayoutOfThePublicFamily) {
+TEST_F(TrackFiles, ReadsMagnet16Layout) {
   std::string text =
       "sensor,x_mm,y_mm,z_mm,rotvec_x,rotvec_y,rotvec_z,magnetization_A_per_m,ambient_x_uT,ambient_y_uT,ambient_z_uT\n";
   for (int i = 0; i < 5; ++i) {
@@ -142,7 +142,7 @@ TEST_F(TrackFiles, LayoutOfThePublicFamily) {
   ExpectWords(ReadMagnet16Layout(folder_.Write("l.csv", text), {}).error(), {"magnetization_A_per_m", "A/m"});
 }
 
-TEST_F(TrackFiles, DeviceFilesOfBothKinds) {
+TEST_F(TrackFiles, LoadsOmniAndArrayDeviceFiles) {
   const auto omni = LoadTrackDevice(OMNI_SOURCE_DIR "/manifests/device/omni.toml");
   ASSERT_TRUE(omni.ok()) << omni.error();
   EXPECT_EQ(omni->sensors.size(), 8U);

@@ -67,7 +67,7 @@ Made MakePatch(int count, int poses, double noise_T, std::uint64_t seed) {
   return made;
 }
 
-TEST(TrackRun, ArraysOfManySizesFindTheCylinder) {
+TEST(TrackRun, FindsCylinderWith4To64Sensors) {
   for (const int count : {4, 7, 16, 64}) {
     const Made made = MakePatch(count, 40, 0, 500 + static_cast<std::uint64_t>(count));
     const auto rows = TrackRecording(made.array, made.recording, {.chi2_max = 1e9});
@@ -79,7 +79,7 @@ TEST(TrackRun, ArraysOfManySizesFindTheCylinder) {
   }
 }
 
-TEST(TrackRun, ColdAndWarmAgreeAndTheCovarianceIsHonest) {
+TEST(TrackRun, ColdAndWarmStartsAgreeWithConsistentCovariance) {
   const Made made = MakePatch(16, 150, 2e-6, 77);
   const auto rows = TrackRecording(made.array, made.recording, {});
   ASSERT_TRUE(rows.ok()) << rows.error();
@@ -100,7 +100,7 @@ TEST(TrackRun, ColdAndWarmAgreeAndTheCovarianceIsHonest) {
   EXPECT_NEAR(nees, 1, 0.25);  // 3 sigma of 150 poses: 0.2
 }
 
-TEST(TrackRun, TheBaseWithCurrentsToldAndHidden) {
+TEST(TrackRun, TracksBaseWithMeasuredAndHiddenCurrents) {
   sim::Rig rig(config::DefaultDevice(), {.seed = 41, .noise = sim::NoiseMode::kUltraHigh});
   sim::Random random(42);
   Recording recording{.poses = {}, .has_currents = true};
@@ -124,7 +124,7 @@ TEST(TrackRun, TheBaseWithCurrentsToldAndHidden) {
   EXPECT_GT(hidden_mm, told_mm);
 }
 
-TEST(TrackRun, FilesHaveOneLineAPose) {
+TEST(TrackRun, FilesHaveOneLinePerPose) {
   const Made made = MakePatch(5, 3, 1e-7, 9);
   const auto rows = TrackRecording(made.array, made.recording, {});
   ASSERT_TRUE(rows.ok()) << rows.error();

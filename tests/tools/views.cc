@@ -19,7 +19,7 @@ void ExpectHas(const std::string& text, std::initializer_list<const char*> parts
   for (const char* part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << " not in:\n" << text;
 }
 
-TEST(ToolsStatus, ShowsWhatTheServiceSays) {
+TEST(ToolsStatus, ShowsEveryFieldOfTheServiceStatus) {
   const json status = json::parse(R"({
     "service": {"version": "0.1.0", "pid": 42, "uptime_s": 3725.5, "instance": 1},
     "device": {"name": "twin", "simulation": true, "received": 1000, "missed": 3},
@@ -36,12 +36,12 @@ TEST(ToolsStatus, ShowsWhatTheServiceSays) {
                                  "focused", "owns the force", "12000 triangles", "not aligned", "20-x.toml:3: bad"});
 }
 
-TEST(ToolsStatus, SimulationIsSaidFirst) {
+TEST(ToolsStatus, SimulationIsTheFirstLine) {
   EXPECT_EQ(StatusText({{"SIMULATION", "no base"}}).rfind("SIMULATION: no base\n", 0), 0U);
   EXPECT_EQ(StatusText(json::object()).find("SIMULATION"), std::string::npos);
 }
 
-TEST(ToolsStatus, ShowsARaceWhereThereIsOne) {
+TEST(ToolsStatus, ShowsRaceOnlyWhenThereIsOne) {
   json status = json::parse(R"({"race": {"laps": 2, "hits": 1, "speed_m_s": 0.0524, "sliding": true,
                                          "lap_s": 3.2, "last_lap_s": 9.841, "best_lap_s": 9.6}})");
   ExpectHas(StatusText(status), {"2 laps, last 9.84 s, best 9.60 s, now 3.20 s; 52 mm/s, sliding; 1 hit\n"});
@@ -51,7 +51,7 @@ TEST(ToolsStatus, ShowsARaceWhereThereIsOne) {
   EXPECT_EQ(StatusText(status).find("race"), std::string::npos);
 }
 
-TEST(ToolsStatus, ToleratesWhatIsMissingOrStrange) {
+TEST(ToolsStatus, ToleratesMissingAndMistypedFields) {
   for (const char* text :
        {"{}", R"({"service": 3, "device": [], "tick": null, "clients": {}, "problems": "x"})",
         R"({"clients": [1, null, {}], "problems": [1, null], "tracking": {"position_m": ["a", 1, 2]}})",
@@ -60,12 +60,12 @@ TEST(ToolsStatus, ToleratesWhatIsMissingOrStrange) {
   }
 }
 
-TEST(ToolsStatus, NamesOfClientsCannotDrawOnTheTerminal) {
+TEST(ToolsStatus, StripsControlCharactersFromClientNames) {
   const json status = {{"clients", {{{"application", "\033[2Jevil\n"}}}}};
   EXPECT_EQ(StatusText(status).find('\033'), std::string::npos);
 }
 
-TEST(ToolsStatus, TrackingComesFromTheNewestSampleIfNotSaid) {
+TEST(ToolsStatus, FillsMissingTrackingAndForceFromNewestSample) {
   protocol::ToolSample sample;
   sample.t_ns = 1'000'000'000;
   sample.flags = protocol::kToolPoseValid | protocol::kToolTracked;
@@ -112,7 +112,7 @@ TEST(ToolsWatch, ShowsPoseBarsContactInputsAndRate) {
   ExpectHas(screen, {(std::string(23, '#') + std::string(23, '-')).c_str()});
 }
 
-TEST(ToolsWatch, TipPointsDownWhenTheToolStandsUpright) {
+TEST(ToolsWatch, ShowsTipDirectionFromOrientation) {
   WatchFrame frame = Frame();  // identity: -Z of the tool is -z of the base
   ExpectHas(WatchScreen(frame, 80), {"x  -0.000  y  -0.000  z  -1.000"});
   const double half = std::sqrt(0.5);
@@ -131,7 +131,7 @@ TEST(ToolsWatch, LinesNeverExceedTheTerminal) {
   }
 }
 
-TEST(ToolsWatch, StaleLostAndAbsentAreNotTracked) {
+TEST(ToolsWatch, DistinguishesStaleLostAndAbsentPens) {
   WatchFrame frame = Frame();
   frame.now_ns += 150'000'000;
   ExpectHas(WatchLine(frame), {"stale"});
@@ -142,21 +142,21 @@ TEST(ToolsWatch, StaleLostAndAbsentAreNotTracked) {
   ExpectHas(WatchLine(frame), {"absent"});
 }
 
-TEST(ToolsWatch, WithoutServiceItSaysWhatToDo) {
+TEST(ToolsWatch, WithoutServiceShowsProblemAndRemedy) {
   WatchFrame frame;
   frame.problem = "cannot connect to /x; start omnid";
   ExpectHas(WatchScreen(frame, 80), {"waiting for omnid", "/x; start omnid"});
   ExpectHas(WatchLine(frame), {"waiting for omnid", "/x; start omnid"});
 }
 
-TEST(ToolsWatch, AnUnknownRateIsNotShown) {
+TEST(ToolsWatch, OmitsUnknownTickRate) {
   WatchFrame frame = Frame();
   frame.tick_rate_Hz = std::nan("");
   EXPECT_EQ(WatchLine(frame).find("nan"), std::string::npos);
   EXPECT_EQ(WatchScreen(frame, 80).find("nan"), std::string::npos);
 }
 
-TEST(ToolsWatch, BarTakesAnyNumber) {
+TEST(ToolsWatch, BarClampsAnyNumber) {
   EXPECT_EQ(Bar(0.5, 1, 4), "##--");
   EXPECT_EQ(Bar(-3, 1, 4), "----");
   EXPECT_EQ(Bar(9, 1, 4), "####");
@@ -164,7 +164,7 @@ TEST(ToolsWatch, BarTakesAnyNumber) {
   EXPECT_EQ(Bar(std::numeric_limits<double>::infinity(), 1, 4), "----");
 }
 
-TEST(ToolsJson, ReadsAnythingSafely) {
+TEST(ToolsJson, AccessorsTolerateMissingAndMistypedValues) {
   const json document = {{"a", {{"b", 1.256}, {"t", true}, {"s", "x\033y"}, {"big", 1e300}}}, {"list", {1, 2}}};
   EXPECT_EQ(TextAt(document, "/a/b", 2), "1.26");
   EXPECT_EQ(TextAt(document, "/a/t"), "yes");

@@ -68,7 +68,7 @@ constexpr base::MagnetGeometry kLong{.radius_m = 0.004, .half_height_m = 0.008};
 constexpr base::MagnetGeometry kFlat{.radius_m = 0.010, .half_height_m = 0.002};
 constexpr base::MagnetGeometry kSphere{.shape = base::MagnetShape::kSphere, .radius_m = 0.006};
 
-TEST(TrackerArray, AnyNumberOfSensorsFindsAnyMagnetWithoutAHint) {
+TEST(TrackerArray, ColdStartFindsAnyMagnetWithSixToSixtyFourSensors) {
   Rng rng(11);
   for (const int sensors : {6, 9, 16, 33, 64}) {
     for (const base::MagnetGeometry& magnet : {kLong, kFlat, kSphere}) {
@@ -89,7 +89,7 @@ TEST(TrackerArray, AnyNumberOfSensorsFindsAnyMagnetWithoutAHint) {
   }
 }
 
-TEST(TrackerArray, FourSensorsAreEnoughFromNearby) {
+TEST(TrackerArray, WarmStartConvergesWithFourSensors) {
   Rng rng(12);
   for (int i = 0; i < 50; ++i) {
     const base::Calibration array = RandomArray(rng, 4, kFlat);
@@ -104,7 +104,7 @@ TEST(TrackerArray, FourSensorsAreEnoughFromNearby) {
   }
 }
 
-TEST(TrackerArray, JacobianMatchesDifferencesForEveryShape) {
+TEST(TrackerArray, JacobianMatchesFiniteDifferencesForEveryShape) {
   Rng rng(13);
   for (const base::MagnetGeometry& magnet : {kLong, kFlat, kSphere}) {
     const base::Calibration array = RandomArray(rng, 13, magnet);
@@ -136,7 +136,7 @@ TEST(TrackerArray, JacobianMatchesDifferencesForEveryShape) {
   }
 }
 
-TEST(TrackerArray, BadReadingsAreLeftOutOrRefused) {
+TEST(TrackerArray, InvalidReadingsAreExcludedOrRejected) {
   Rng rng(14);
   const base::Calibration array = RandomArray(rng, 12, kLong);
   const auto solver = StaticSolver::Make(array, {});
@@ -162,7 +162,7 @@ TEST(TrackerArray, BadReadingsAreLeftOutOrRefused) {
   EXPECT_EQ(solver->Solve(readings, {}).status, StaticStatus::kTooFew);
 }
 
-TEST(TrackerArray, BadCalibrationsAreRefusedByName) {
+TEST(TrackerArray, RejectsBadCalibrationsNamingTheField) {
   Rng rng(15);
   const base::Calibration good = RandomArray(rng, 8, kFlat);
   const auto error_of = [&good](auto change) {

@@ -67,7 +67,7 @@ class TrackerAway : public testing::TestWithParam<std::uint64_t> {
 };
 INSTANTIATE_TEST_SUITE_P(Seeds, TrackerAway, testing::Values(1U, 2U, 3U, 4U));
 
-TEST_P(TrackerAway, TheUniformFieldIsFollowed) {
+TEST_P(TrackerAway, UniformAmbientFieldIsFollowed) {
   for (const double size_T : {20e-6, 60e-6}) {
     ambient_base_T += size_T * support::RandomUnit(rng);
     Run(3);
@@ -77,7 +77,7 @@ TEST_P(TrackerAway, TheUniformFieldIsFollowed) {
   }
 }
 
-TEST_P(TrackerAway, ZerosThatDriftAreTakenOff) {
+TEST_P(TrackerAway, DriftingSensorZerosAreSubtracted) {
   DriftZeros(5e-6);
   Run(10);
   EXPECT_TRUE(state.away.learnt);
@@ -90,7 +90,7 @@ TEST_P(TrackerAway, ZerosThatDriftAreTakenOff) {
 }
 
 // Brought, and left there: its field goes into neither the zeros nor the ambient field.
-TEST_P(TrackerAway, AMagnetIsNoZero) {
+TEST_P(TrackerAway, ApproachingMagnetIsNotLearntAsSensorZero) {
   ambient_base_T = 20e-6 * support::RandomUnit(rng);
   Run(5);
   const ReadingLanes before_T = state.away.zero_T;
@@ -108,7 +108,7 @@ TEST_P(TrackerAway, AMagnetIsNoZero) {
 }
 
 // It was there before the first scan, and zeros might have drifted as much.
-TEST_P(TrackerAway, AMagnetThatWasThereFirstIsNoZero) {
+TEST_P(TrackerAway, MagnetPresentFromTheStartIsNotLearntAsSensorZero) {
   for (const double away_m : {0.6, 0.45, 0.3}) {
     SCOPED_TRACE(away_m);
     pen_away_m = away_m;

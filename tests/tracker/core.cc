@@ -32,7 +32,7 @@ class TrackerCoreString : public testing::Test {
   double Kept_A(std::size_t k) const { return drift.mean[k]; }
 };
 
-TEST_F(TrackerCoreString, IsDrawnBehindTheMomentAndTurnsWithIt) {
+TEST_F(TrackerCoreString, RemanenceTrailsTheMomentAndTurnsWithIt) {
   MoveTo({});
   for (int n = 1; n <= 60; ++n) MoveTo({0.002 * n, 0, 0});
   EXPECT_NEAR(Kept_A(0), -kKept_A, 1e-12);
@@ -44,7 +44,7 @@ TEST_F(TrackerCoreString, IsDrawnBehindTheMomentAndTurnsWithIt) {
   EXPECT_NEAR(Kept_A(0), 0, 1e-3 * kKept_A);
 }
 
-TEST_F(TrackerCoreString, DoesNotDependOnSpeed) {
+TEST_F(TrackerCoreString, RemanenceDoesNotDependOnSpeed) {
   std::array<double, 2> kept_A{};
   for (const int steps : {4, 400}) {
     drift = {};
@@ -59,7 +59,7 @@ TEST_F(TrackerCoreString, DoesNotDependOnSpeed) {
 }
 
 // With a position known to .3 mm only, moving back and forth is no travel.
-TEST_F(TrackerCoreString, NoiseIsNoMotion) {
+TEST_F(TrackerCoreString, NoiseDoesNotDragTheRemanence) {
   MoveTo({});
   MoveTo({0.03, 0, 0});
   support::Rng rng{5};
@@ -70,7 +70,7 @@ TEST_F(TrackerCoreString, NoiseIsNoMotion) {
   EXPECT_NEAR(Kept_A(1), 0, 0.002);
 }
 
-TEST_F(TrackerCoreString, CurrentsDrawItToo) {
+TEST_F(TrackerCoreString, CoilCurrentsDragTheRemanence) {
   MoveTo({});
   MoveTo({}, {0, 0, 3.0});
   EXPECT_NEAR(Kept_A(2), -kKept_A, 1e-12);
@@ -79,7 +79,7 @@ TEST_F(TrackerCoreString, CurrentsDrawItToo) {
 }
 
 // For each scan, since a current of 100 Hz reverses it twice in ten: PredictDrift is called at every fourth only.
-TEST_F(TrackerCoreString, IsDrawnBetweenPredictionsToo) {
+TEST_F(TrackerCoreString, RemanenceIsUpdatedBetweenPredictions) {
   MoveTo({});
   for (const double step_A : {0.1, 0.1, -0.1, -0.1}) {
     current_A[2] += step_A;
@@ -88,7 +88,7 @@ TEST_F(TrackerCoreString, IsDrawnBetweenPredictionsToo) {
   }
 }
 
-TEST_F(TrackerCoreString, IsForgottenWithThePen) {
+TEST_F(TrackerCoreString, RemanenceDecaysWithoutThePen) {
   MoveTo({});
   MoveTo({0.03, 0, 0});
   for (int n = 0; n < 500; ++n) {

@@ -119,7 +119,7 @@ class TrackerDoubt : public testing::TestWithParam<std::uint64_t> {
 };
 INSTANTIATE_TEST_SUITE_P(Seeds, TrackerDoubt, testing::Values(1U, 2U, 3U));
 
-TEST_P(TrackerDoubt, AFieldThatJumpsIsFollowedInThatScan) {
+TEST_P(TrackerDoubt, AmbientFieldJumpIsFollowedWithinTwentyScans) {
   const double undisturbed_m = Run(2000).mean_m;
   for (const double size_T : {5e-6, 20e-6, 60e-6}) {
     SCOPED_TRACE(size_T);
@@ -133,7 +133,7 @@ TEST_P(TrackerDoubt, AFieldThatJumpsIsFollowedInThatScan) {
 
 // The field jumps between the samples of one scan, which fits nothing: once a second, while a magnet is searched for.
 // Trials in one such scan are no evidence in the next.
-TEST_P(TrackerDoubt, JumpsWithinAScanDoNotAddUpToAMagnet) {
+TEST_P(TrackerDoubt, FieldJumpsWithinAScanDoNotCreateAStrayMagnet) {
   for (int i = 0; i < 500; ++i) Feed();
   for (int jump = 0; jump < 6; ++jump) {
     if (!state.stray.on) StartStray(config.stray, config.model, state.stray);
@@ -154,13 +154,13 @@ TEST_P(TrackerDoubt, JumpsWithinAScanDoNotAddUpToAMagnet) {
   }
 }
 
-TEST_P(TrackerDoubt, TheEarthsFieldMayComeUnannounced) {
+TEST_P(TrackerDoubt, TracksAfterUnexpectedEarthFieldStep) {
   ambient_base_T = 5e-5 * Direction();
   EXPECT_LE(Run(1000).lost, 50);
   EXPECT_EQ(Run(1000).lost, 0);
 }
 
-TEST_P(TrackerDoubt, ABaseThatIsTurnedKeepsThePen) {
+TEST_P(TrackerDoubt, KeepsTrackingWhileTheBaseTurns) {
   const double undisturbed_m = Run(2000).mean_m;
   const Vector3d earth_T = 5e-5 * Direction();
   int lost = 0;
@@ -180,7 +180,7 @@ struct Fault {
   std::function<void(base::Vec3&)> change;
 };
 
-TEST_P(TrackerDoubt, ASensorThatIsWrongIsLeftOutUntilItIsRightAgain) {
+TEST_P(TrackerDoubt, FaultySensorIsExcludedUntilItRecovers) {
   const double undisturbed_m = Run(2000).mean_m;
   base::Vec3 held{};
   const Fault faults[] = {
@@ -212,7 +212,7 @@ TEST_P(TrackerDoubt, ASensorThatIsWrongIsLeftOutUntilItIsRightAgain) {
 }
 
 // The effect of a gain error follows the pen's field at that sensor; that of a magnet does not.
-TEST_P(TrackerDoubt, AGainThatIsALittleWrongIsNoMagnet) {
+TEST_P(TrackerDoubt, SmallGainErrorIsNotTakenForAMagnet) {
   const double undisturbed_m = Run(2000).mean_m;
   const auto sensor = static_cast<std::size_t>(GetParam() + 2) % kSensors;
   for (const double gain : {1.015, 0.98, 1.03}) {
@@ -233,7 +233,7 @@ TEST_P(TrackerDoubt, AGainThatIsALittleWrongIsNoMagnet) {
 }
 
 // A sensor left out is not readmitted because another one is a little wrong.
-TEST_P(TrackerDoubt, AGainThatIsALittleWrongDoesNotBringAStuckSensorBack) {
+TEST_P(TrackerDoubt, SmallGainErrorDoesNotReadmitAStuckSensor) {
   Run(2000);
   const auto stuck = static_cast<std::size_t>(GetParam()) % kSensors, wrong = (stuck + 4) % kSensors;
   const base::Vec3 held = NextScan().field_sensor_T[stuck];
@@ -252,7 +252,7 @@ TEST_P(TrackerDoubt, AGainThatIsALittleWrongDoesNotBringAStuckSensorBack) {
   }
 }
 
-TEST_P(TrackerDoubt, ASensorThatRepeatsItselfIsLeftOutBeforeItIsWrong) {
+TEST_P(TrackerDoubt, StuckSensorIsExcludedWithoutLosingThePose) {
   Run(1000);
   const auto sensor = static_cast<std::size_t>(GetParam()) % kSensors;
   const base::Vec3 held = NextScan().field_sensor_T[sensor];
@@ -264,7 +264,7 @@ TEST_P(TrackerDoubt, ASensorThatRepeatsItselfIsLeftOutBeforeItIsWrong) {
 }
 
 // The stamp advances, but nothing is measured: no single sensor is to blame, and no pose is accepted.
-TEST_P(TrackerDoubt, WhatAllSensorsRepeatIsNoPose) {
+TEST_P(TrackerDoubt, FrozenReadingsOfAllSensorsYieldNoPose) {
   Run(1000);
   const base::HallScan held = NextScan();
   fault = [&](base::HallScan& scan) { scan.field_sensor_T = held.field_sensor_T; };
@@ -278,7 +278,7 @@ TEST_P(TrackerDoubt, WhatAllSensorsRepeatIsNoPose) {
   EXPECT_EQ(tool.limits & base::kToolFrozen, 0U);
 }
 
-TEST_P(TrackerDoubt, WhatIsFoundIsTold) {
+TEST_P(TrackerDoubt, ToolStateReportsAmbientFieldAndExcludedSensors) {
   Run(1000);
   EXPECT_EQ(tool.sensors_left_out, 0U);
   EXPECT_EQ(tool.stray_rms_T, 0);
@@ -292,14 +292,14 @@ TEST_P(TrackerDoubt, WhatIsFoundIsTold) {
   EXPECT_EQ(tool.sensors_disagree, 1U << sensor);
 }
 
-TEST_P(TrackerDoubt, NothingNearbyIsNotBelieved) {
+TEST_P(TrackerDoubt, NoStrayMagnetIsReportedWithoutOne) {
   Run(5000);
   ambient_base_T = 2e-5 * Direction();
   Run(5000);
   EXPECT_FALSE(state.stray.believed);
 }
 
-TEST_P(TrackerDoubt, AnotherPenNearbyIsTakenOff) {
+TEST_P(TrackerDoubt, NearbyPenIsEstimatedAndSubtracted) {
   for (const double away_m : {0.35, 0.3}) {
     SCOPED_TRACE(away_m);
     const double undisturbed_m = Run(2000).mean_m;
@@ -333,7 +333,7 @@ TEST_P(TrackerDoubt, AnotherPenNearbyIsTakenOff) {
 }
 
 // One place shows little; meanwhile the pose's uncertainty is reported.
-TEST_P(TrackerDoubt, AnotherPenLaidDownBesideARestingOneIsFound) {
+TEST_P(TrackerDoubt, PenPlacedBesideARestingPenIsFound) {
   Run(2000);
   DrawOtherPen();
   pen_rests = true;
@@ -350,7 +350,7 @@ TEST_P(TrackerDoubt, AnotherPenLaidDownBesideARestingOneIsFound) {
 }
 
 // As after a search step that went too far: its field is larger than in any room, and nothing else is wrong.
-TEST_P(TrackerDoubt, AnotherPenThatCannotBeThereIsLookedForAnew) {
+TEST_P(TrackerDoubt, ImplausibleStrayMagnetIsSearchedForAgain) {
   Run(2000);
   DrawOtherPen();
   CarryOtherPen(1, 0.3);
@@ -367,7 +367,7 @@ TEST_P(TrackerDoubt, AnotherPenThatCannotBeThereIsLookedForAnew) {
 }
 
 // Tracking an imaginary pen would be worse than none.
-TEST_P(TrackerDoubt, AMagnetNearbyIsNoPen) {
+TEST_P(TrackerDoubt, NearbyMagnetIsNotTrackedAsThePen) {
   pen_is_there = false;
   for (const double away_m : {0.5, 0.3}) {
     SCOPED_TRACE(away_m);
@@ -380,7 +380,7 @@ TEST_P(TrackerDoubt, AMagnetNearbyIsNoPen) {
 
 // A spare pen that lies there when omnid starts, before any pose is known. Without a search for both, none of these is
 // found at 200 mm, and one of ten at 300. Seldom another place fits as well at first.
-TEST_P(TrackerDoubt, ASecondPenThatWasThereFromTheStart) {
+TEST_P(TrackerDoubt, TracksWithASecondPenPresentFromTheStart) {
   int silent = 0, ticks = 0;
   for (const double away_m : {0.2, 0.25, 0.3}) {
     SCOPED_TRACE(away_m);
@@ -402,7 +402,7 @@ TEST_P(TrackerDoubt, ASecondPenThatWasThereFromTheStart) {
 }
 
 // Two magnets are no pen either, nor is one beside a sensor that is wrong.
-TEST_P(TrackerDoubt, ThingsNearbyAreNoPen) {
+TEST_P(TrackerDoubt, MagnetPairOrFaultySensorIsNotTrackedAsThePen) {
   pen_is_there = false;
   for (int trial = 0; trial < 4; ++trial) {
     SCOPED_TRACE(trial);
@@ -423,7 +423,7 @@ TEST_P(TrackerDoubt, ThingsNearbyAreNoPen) {
 }
 
 // A fifth of an uncalibrated base's errors, which the calibration does not state.
-TEST_P(TrackerDoubt, ACalibrationThatIsWorseThanItSaysIsTrackedAndToldOf) {
+TEST_P(TrackerDoubt, TracksAndReportsAnOverconfidentCalibration) {
   base::Calibration built = Exact();
   for (base::SensorCalibration& sensor : built.sensors) {
     base::Vec3& p = sensor.position_base_m;

@@ -64,7 +64,7 @@ class TrackerDrift : public testing::Test {
   }
 };
 
-TEST_F(TrackerDrift, AMagnetThatWarmsIsFollowed) {
+TEST_F(TrackerDrift, MomentFollowsAWarmingMagnet) {
   const double undisturbed_m = RunMoving_m(4);
   base::Calibration warm = calibration;
   warm.moment_Am2 *= 0.985;  // 12 K
@@ -75,7 +75,7 @@ TEST_F(TrackerDrift, AMagnetThatWarmsIsFollowed) {
   EXPECT_GT(RunMoving_m(1), 1.5 * undisturbed_m);
 }
 
-TEST_F(TrackerDrift, TheMomentStaysWithinItsBounds) {
+TEST_F(TrackerDrift, MomentEstimateStaysWithinItsBounds) {
   base::Calibration other = calibration;
   other.moment_Am2 *= 1.08;
   world = MakeModel(other);
@@ -87,7 +87,7 @@ TEST_F(TrackerDrift, TheMomentStaysWithinItsBounds) {
   }
 }
 
-TEST_F(TrackerDrift, RemanenceAndAmbientFieldAreFound) {
+TEST_F(TrackerDrift, RemanenceAndAmbientFieldAreEstimated) {
   config.filter.calm_rate = 0;  // what drifts, not what the filter makes of noise
   const double undisturbed_m = RunMoving_m(8);
   remanence_A = {0.011, -0.008, 0.011};
@@ -99,7 +99,7 @@ TEST_F(TrackerDrift, RemanenceAndAmbientFieldAreFound) {
   EXPECT_LT(with_m, 0.9 * without_m);
 }
 
-TEST_F(TrackerDrift, BlindToTheCurrentsItStillTracks) {
+TEST_F(TrackerDrift, TracksWithoutKnowingTheCoilCurrents) {
   config.trust.currents_hidden = true;
   remanence_A = {9, -12, 14};  // not reported
   double sum_m = 0;
@@ -113,7 +113,7 @@ TEST_F(TrackerDrift, BlindToTheCurrentsItStillTracks) {
   EXPECT_LT(sum_m, 8e-4);
 }
 
-TEST_F(TrackerDrift, LimitsAreTold) {
+TEST_F(TrackerDrift, ReportsTiltedCoarseAndSaturatedLimits) {
   for (int i = 0; i < 30; ++i) Feed(NextScan());
   EXPECT_EQ(tool.limits, 0u);
   pose = {{0, 0, 0.075}, Vector3d(1, 0, 0.05).normalized()};
@@ -135,7 +135,7 @@ TEST_F(TrackerDrift, LimitsAreTold) {
 }
 
 // Nothing that chi2 contradicts passes for a pose, and no pose is shown 20 ms after the last one that fitted.
-TEST_F(TrackerDrift, ContradictoryReadingsBecomeAbsenceNotAGhost) {
+TEST_F(TrackerDrift, ContradictoryReadingsReportThePenAbsent) {
   const auto second_magnet = [this](base::HallScan& scan) {
     const base::HallScan other =
         support::MakeScan(world, {{-0.05, 0.05, 0.05}, Vector3d(0, 1, -1).normalized()}, t_ns, rng);

@@ -79,7 +79,7 @@ class Fed {
   std::normal_distribution<double> normal_;
 };
 
-TEST(TrackerFilter, ACalmHandGivesACalmPose) {
+TEST(TrackerFilter, CalmHandIsSmoothedBelowTheFitNoise) {
   Fed hand(kAt55mm);
   const Vector3d at{0, 0, 0.055};
   hand.RmsAt(at, 2000);
@@ -89,7 +89,7 @@ TEST(TrackerFilter, ACalmHandGivesACalmPose) {
   EXPECT_GE(hand.state.position_liveliness.log_factor, hand.noise.calm_log_min - 1e-9);
 }
 
-TEST(TrackerFilter, AHandThatSetsOffIsNotHeldBack) {
+TEST(TrackerFilter, HandStartingToMoveIsFollowed) {
   Fed hand({4e-4, 5e-3});
   hand.RmsAt({0, 0, 0.07}, 4000);
   // 10 m/s^2 for 40 ms, then 0.4 m/s.
@@ -141,7 +141,7 @@ class TrackerFilterChanges : public testing::TestWithParam<Change> {
   double nees = 0;
 };
 
-TEST_P(TrackerFilterChanges, AStartIsFollowedWithoutOvershoot) {
+TEST_P(TrackerFilterChanges, StartIsFollowedWithoutOvershoot) {
   Run(false);
   EXPECT_LT(Quantile(errors_m, 0.95), GetParam().p95_m);
   EXPECT_LT(Quantile(errors_m, 1), 1.5 * GetParam().p95_m);
@@ -151,7 +151,7 @@ TEST_P(TrackerFilterChanges, AStartIsFollowedWithoutOvershoot) {
   EXPECT_LT(nees, 1.5);
 }
 
-TEST_P(TrackerFilterChanges, AStopIsFollowed) {
+TEST_P(TrackerFilterChanges, StopIsFollowed) {
   Run(true);
   EXPECT_LT(Quantile(errors_m, 0.95), 1.1 * GetParam().p95_m);
   EXPECT_GT(nees, 0.4);
@@ -199,13 +199,13 @@ void Tremble(const FitNoise& fit, double gain_min, double gain_max, double delay
   EXPECT_LT(response.delay_s, delay_max_s);
 }
 
-TEST(TrackerFilter, ATremorKeepsItsSize) {
+TEST(TrackerFilter, TremorKeepsItsAmplitude) {
   Tremble(kAt55mm, 0.9, 1.1, 4e-3);
   Tremble(kAt90mm, 0.8, 1.25, 8e-3);
 }
 
 // Motion no larger than the noise, as of a pen that leans on a wall: leaving rest is detected late.
-TEST(TrackerFilter, APushedPenIsNotTakenForOneAtRest) {
+TEST(TrackerFilter, PushedPenIsNotTreatedAsResting) {
   const FitNoise fit{1e-4, 5e-3};
   const Response pushed = ResponseTo(5e-5, 8, fit, true), rests = ResponseTo(5e-5, 8, fit, false);
   EXPECT_LT(pushed.delay_s, 0.5 * rests.delay_s);
@@ -214,7 +214,7 @@ TEST(TrackerFilter, APushedPenIsNotTakenForOneAtRest) {
 }
 
 // A working hand: error of the pose, and of its prediction 20 ms ahead.
-TEST(TrackerFilter, AWavedPenIsFollowed) {
+TEST(TrackerFilter, WavedPenIsFollowedAndPredicted) {
   Fed hand(kAt55mm);
   double square = 0, ahead_square = 0;
   const auto at = [](double t_s) {
@@ -233,7 +233,7 @@ TEST(TrackerFilter, AWavedPenIsFollowed) {
 }
 
 // The axis starts to turn at 5 rad/s while the position stays.
-TEST(TrackerFilter, AnAxisThatStartsToTurnIsFollowed) {
+TEST(TrackerFilter, AxisStartingToTurnIsFollowed) {
   double worst_rad = 0, peak_rad_s = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Fed hand(kAt55mm, seed);
@@ -252,7 +252,7 @@ TEST(TrackerFilter, AnAxisThatStartsToTurnIsFollowed) {
   EXPECT_LT(peak_rad_s, 9);
 }
 
-TEST(TrackerFilter, LearningStaysWithinItsBounds) {
+TEST(TrackerFilter, LivelinessStaysWithinItsBounds) {
   Fed hand(kAt55mm);
   for (int i = 0; i < 3000; ++i) {
     const double t_s = kTick_s * i;
@@ -264,7 +264,7 @@ TEST(TrackerFilter, LearningStaysWithinItsBounds) {
 
 // A fit with a stated error of 0.4 mm because of its calibration, but repeatable to 0.04 mm, is averaged as 0.04 mm:
 // the filter follows at once, and the noise in a force is small.
-TEST(TrackerFilter, WhatDoesNotScatterIsNotNoise) {
+TEST(TrackerFilter, RepeatableFitsReduceTheAssumedNoise) {
   Fed hand(kAt55mm);
   hand.white = 0.1;
   hand.RmsAt({0, 0, 0.07}, 1000);
@@ -278,14 +278,14 @@ TEST(TrackerFilter, WhatDoesNotScatterIsNotNoise) {
 }
 
 // Motion is not taken for noise: 0.5 m/s to and fro at 2 Hz.
-TEST(TrackerFilter, MotionIsNotNoise) {
+TEST(TrackerFilter, MotionIsNotTakenForNoise) {
   Fed hand(kAt55mm);
   hand.white = 0.1;
   for (int i = 0; i < 2000; ++i) hand.Feed({0.04 * std::sin(2 * 3.14159265 * 2 * i * kTick_s), 0, 0.07});
   EXPECT_LT(hand.state.position_whiteness.share, 0.02);
 }
 
-TEST(TrackerModels, OneFollowsTheOther) {
+TEST(TrackerModels, MixingReachesTheStationaryDistribution) {
   const TransitionRates rates{{{0, 40, 20}, {0.5, 0, 3}, {1, 450, 0}}};
   const Mixing mixing = Mix(rates, kTick_s, {0.5, 0.3, 0.2});
   double sum = 0;
@@ -306,7 +306,7 @@ TEST(TrackerModels, OneFollowsTheOther) {
   }
 }
 
-TEST(TrackerModels, NoneBecomesImpossible) {
+TEST(TrackerModels, NoModelProbabilityReachesZero) {
   Likely likely{0.3, 0.3, 0.4};
   for (int i = 0; i < 100; ++i) Weigh({-1e6, 0, -2e6}, likely);
   EXPECT_GT(likely[0], 0);

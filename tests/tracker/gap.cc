@@ -45,7 +45,7 @@ TEST(TrackerGap, MatchesSampledSurface) {
   }
 }
 
-TEST(TrackerGap, KnownPoses) {
+TEST(TrackerGap, MatchesAnalyticValuesAtKnownPoses) {
   EXPECT_NEAR(CylinderGap({0, 0, 0.041}, {0, 0, -1}, 0.015, 0.0035, 0.0375), 0, 1e-15);      // contact
   EXPECT_NEAR(CylinderGap({0, 0, 0.0625}, {1, 0, 0}, 0.015, 0.0035, 0.0375), 0.010, 1e-15);  // on edge
   EXPECT_LT(CylinderGap({0, 0, 0.039}, {0, 0, 1}, 0.015, 0.0035, 0.0375), 0);

@@ -89,10 +89,10 @@ void ExpectEqualBits() {
   }
 }
 
-TEST(TrackerKernel, AllWidthsGiveTheSameBitsInSinglePrecision) { ExpectEqualBits<float>(); }
-TEST(TrackerKernel, AllWidthsGiveTheSameBitsInDoublePrecision) { ExpectEqualBits<double>(); }
+TEST(TrackerKernel, AllVectorWidthsAreBitIdenticalInSinglePrecision) { ExpectEqualBits<float>(); }
+TEST(TrackerKernel, AllVectorWidthsAreBitIdenticalInDoublePrecision) { ExpectEqualBits<double>(); }
 
-TEST(TrackerKernel, SinglePrecisionIsDoublePrecisionRounded) {
+TEST(TrackerKernel, SinglePrecisionAgreesWithDoublePrecision) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     const Scene<double> exact(seed, 1, true);
     const Scene<float> rounded(seed, 1, true);
@@ -128,10 +128,10 @@ void ExpectResidualsOf(double tolerance) {
   }
 }
 
-TEST(TrackerKernel, ResidualsAreThoseOfTheSumsInSinglePrecision) { ExpectResidualsOf<float>(1e-5); }
-TEST(TrackerKernel, ResidualsAreThoseOfTheSumsInDoublePrecision) { ExpectResidualsOf<double>(1e-13); }
+TEST(TrackerKernel, ResidualKernelMatchesSumKernelInSinglePrecision) { ExpectResidualsOf<float>(1e-5); }
+TEST(TrackerKernel, ResidualKernelMatchesSumKernelInDoublePrecision) { ExpectResidualsOf<double>(1e-13); }
 
-TEST(TrackerKernel, FewerParametersAreTheLeadingOnes) {
+TEST(TrackerKernel, ThreeParameterSumsMatchLeadingPartOfFive) {
   const Scene<double> scene(3, 1, true);
   const KernelSums three = scene.Sums(ActiveKernel(), {3, 3, true});
   Scene<double> still = scene;  // the axis' rates belong to the two parameters left out
@@ -141,7 +141,7 @@ TEST(TrackerKernel, FewerParametersAreTheLeadingOnes) {
   for (int k = 0; k < 3; ++k) EXPECT_DOUBLE_EQ(three.Jtr[k], five.Jtr[k]);
 }
 
-TEST(TrackerKernel, PlacesScoreTheSameInAllWidths) {
+TEST(TrackerKernel, ScoresAreBitIdenticalAcrossVectorWidths) {
   Rng rng(5);
   constexpr int kCount = 24;
   std::vector<float> field(3 * kGridLanes * kCount), sigma(kCount), whitened(kCount), column(kCount);

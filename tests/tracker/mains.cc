@@ -74,7 +74,7 @@ class TrackerMains : public testing::Test {
   }
 };
 
-TEST_F(TrackerMains, AreTakenOff) {
+TEST_F(TrackerMains, MainsFieldIsSubtracted) {
   const double undisturbed_m = FreshRun_m(4);
   EXPECT_FALSE(state.mains.found);
   amplitude_T = 2e-6;
@@ -89,7 +89,7 @@ TEST_F(TrackerMains, AreTakenOff) {
   }
 }
 
-TEST_F(TrackerMains, TheirFieldIsFound) {
+TEST_F(TrackerMains, MainsFieldAndThirdHarmonicAreEstimated) {
   amplitude_T = 2e-6;
   third = 0.3;
   FreshRun_m(3);
@@ -101,7 +101,7 @@ TEST_F(TrackerMains, TheirFieldIsFound) {
 }
 
 // Where noise exceeds half a second's evidence of a tone, the evidence is kept for longer.
-TEST_F(TrackerMains, AWeakOneIsKept) {
+TEST_F(TrackerMains, WeakMainsToneIsRetained) {
   amplitude_T = 5e-7;
   higher_m = 0.012;
   FreshRun_m(4);
@@ -114,7 +114,7 @@ TEST_F(TrackerMains, AWeakOneIsKept) {
 }
 
 // A tone between the sensors' instants: error of the three terms of AmbientChange for 150 Hz a millisecond back.
-TEST_F(TrackerMains, EachSensorIsReadAtItsOwnInstant) {
+TEST_F(TrackerMains, MainsFieldIsExtrapolatedToEachSensorsInstant) {
   Mains mains;
   mains.started = mains.found = true;
   mains.tones[0] = {.frequency_Hz = 150, .phase_rad = 0.4, .believed = true};
@@ -132,7 +132,7 @@ TEST_F(TrackerMains, EachSensorIsReadAtItsOwnInstant) {
   }
 }
 
-TEST_F(TrackerMains, OnesThatEndAreForgotten) {
+TEST_F(TrackerMains, MainsToneIsDroppedWhenItEnds) {
   amplitude_T = 2e-6;
   FreshRun_m(2);
   ASSERT_TRUE(state.mains.found);
@@ -141,7 +141,7 @@ TEST_F(TrackerMains, OnesThatEndAreForgotten) {
   EXPECT_FALSE(state.mains.found);
 }
 
-TEST_F(TrackerMains, APauseForgetsThePhase) {
+TEST_F(TrackerMains, PauseOrBackwardClockResetsTheTones) {
   amplitude_T = 2e-6;
   FreshRun_m(2);
   ASSERT_TRUE(state.mains.found);
@@ -151,7 +151,7 @@ TEST_F(TrackerMains, APauseForgetsThePhase) {
   EXPECT_EQ(FieldOfMains(state.mains).field_T, (std::array<double, 3>{}));
 }
 
-TEST_F(TrackerMains, NoneAreFoundWhereThereAreNone) {
+TEST_F(TrackerMains, NoToneIsFoundWithoutMains) {
   state = {};
   for (int n = 0; n < 20'000; ++n) {
     Update(config, NextScan(), state, tool);
@@ -160,7 +160,7 @@ TEST_F(TrackerMains, NoneAreFoundWhereThereAreNone) {
 }
 
 // A field that changes at the start or suddenly, or a base that turns, is no tone.
-TEST_F(TrackerMains, StepsAndTurnsAreNone) {
+TEST_F(TrackerMains, FieldStepsAndBaseTurnsAreNotTakenForMains) {
   for (const double size_T : {2e-6, 6e-6, 2e-5, 6e-5}) {
     SCOPED_TRACE(size_T);
     state = {};
@@ -174,7 +174,7 @@ TEST_F(TrackerMains, StepsAndTurnsAreNone) {
 }
 
 // Evidence that is not finite is not learnt.
-TEST_F(TrackerMains, EvidenceThatIsNotFiniteIsNone) {
+TEST_F(TrackerMains, IgnoresNonFiniteEvidence) {
   Mains mains;
   AdvanceMains(config.mains, 0, mains);
   AmbientEvidence evidence{.valid = true, .information = {1e12, 0, 0, 0, 1e12, 0, 0, 0, 1e12}, .gradient = {1e6, 0, 0}};

@@ -90,10 +90,10 @@ void ExpectImagesOfDipoles(Rung rung, double tolerance) {
   }
 }
 
-TEST(TrackerModel, DipolesImageIsThatOfMagnetics) { ExpectImagesOfDipoles(Rung::kDipoleCore, 1e-12); }
-TEST(TrackerModel, MultipolesImagesAreThoseOfDipolesInARow) { ExpectImagesOfDipoles(Rung::kFull, 1e-6); }
+TEST(TrackerModel, DipoleImageMatchesMagnetics) { ExpectImagesOfDipoles(Rung::kDipoleCore, 1e-12); }
+TEST(TrackerModel, MultipoleImageMatchesARowOfDipoleImages) { ExpectImagesOfDipoles(Rung::kFull, 1e-6); }
 
-TEST(TrackerModel, JacobianMatchesDifferences) {
+TEST(TrackerModel, JacobianMatchesFiniteDifferences) {
   Rng rng(2);
   const Model model = MakeModel(magnetics::NominalCalibration(TurnedDevice(rng)));
   for (int i = 0; i < 1000; ++i) {
@@ -115,7 +115,7 @@ TEST(TrackerModel, JacobianMatchesDifferences) {
 }
 
 // The kernel eliminates the errors of currents and the ambient field; here their covariance is written out, 24 x 24.
-TEST(TrackerModel, NormalEquationsAreThoseOfTheWhitenedJacobian) {
+TEST(TrackerModel, NormalEquationsMatchTheWhitenedJacobian) {
   Rng rng(3);
   Config config = MakeConfig(TurnedDevice(rng));
   for (int i = 0; i < 200; ++i) {

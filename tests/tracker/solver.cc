@@ -19,7 +19,7 @@ Config PureNoiseConfig() {
   return config;
 }
 
-TEST(TrackerSolver, FindsTheTruthWithoutNoiseFromNearby) {
+TEST(TrackerSolver, ConvergesToTheNoiseFreePoseFromNearby) {
   Rng rng(1);
   const Config config = PureNoiseConfig();
   for (int i = 0; i < 1000; ++i) {
@@ -35,7 +35,7 @@ TEST(TrackerSolver, FindsTheTruthWithoutNoiseFromNearby) {
   }
 }
 
-TEST(TrackerSolver, WarmStartTakesTwoOrThreeEvaluations) {
+TEST(TrackerSolver, WarmStartNeedsAtMostThreeEvaluationsOnAverage) {
   Rng rng(2);
   const Config config = PureNoiseConfig();
   int evaluations = 0;

@@ -68,7 +68,7 @@ class TrackerStill : public testing::Test {
   std::int64_t t_ns = 1'000'000'000;
 };
 
-TEST_F(TrackerStill, DoesNotCreep) {
+TEST_F(TrackerStill, EstimateOfARestingPenDoesNotCreep) {
   Move(5);
   pose = {{0.02, 0.01, 0.055}, Vector3d(0.2, 0.1, -1).normalized()};
   Lie(3);
@@ -80,7 +80,7 @@ TEST_F(TrackerStill, DoesNotCreep) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(state.drift.mean[k], mean[k], 2e-4);
 }
 
-TEST_F(TrackerStill, ARoomsFieldIsFollowed) {
+TEST_F(TrackerStill, SlowAmbientChangeIsFollowedAtRest) {
   Move(5);
   pose = {{0.02, 0.01, 0.085}, Vector3d(0.2, 0.1, -1).normalized()};
   Lie(3);
@@ -93,7 +93,7 @@ TEST_F(TrackerStill, ARoomsFieldIsFollowed) {
 }
 
 // A magnet that warms by 2 K in five minutes loses .24 % of its moment: at 55 mm like moving .05 mm away.
-TEST_F(TrackerStill, AMagnetThatWarmsIsFollowed) {
+TEST_F(TrackerStill, WarmingMagnetDoesNotMoveTheRestingPose) {
   Move(5);
   pose = {{0.02, 0.01, 0.055}, Vector3d(0.2, 0.1, -1).normalized()};
   Lie(3);
@@ -108,7 +108,7 @@ TEST_F(TrackerStill, AMagnetThatWarmsIsFollowed) {
 }
 
 // Of 120,000 scans some are odd by chance. None of them is a movement.
-TEST_F(TrackerStill, NoiseIsNoMovement) {
+TEST_F(TrackerStill, NoiseIsNotTakenForMovement) {
   Move(5);
   pose = {{0.02, 0.01, 0.09}, Vector3d(0.2, 0.1, -1).normalized()};
   Lie(3);
@@ -119,7 +119,7 @@ TEST_F(TrackerStill, NoiseIsNoMovement) {
 }
 
 // A drawer is opened. The model's error where the pen lies stays as it was.
-TEST_F(TrackerStill, AFieldThatJumpsMovesNothing) {
+TEST_F(TrackerStill, FieldJumpDoesNotMoveTheRestingPose) {
   Move(5);
   pose = {{0.02, 0.01, 0.055}, Vector3d(0.2, 0.1, -1).normalized()};
   Lie(3);
@@ -132,7 +132,7 @@ TEST_F(TrackerStill, AFieldThatJumpsMovesNothing) {
   }
 }
 
-TEST_F(TrackerStill, OneThatMovesOnIsNot) {
+TEST_F(TrackerStill, MovingPenIsNoLongerStill) {
   Move(2);
   Lie(3);
   ASSERT_TRUE(state.drift.still.referenced);
@@ -141,7 +141,7 @@ TEST_F(TrackerStill, OneThatMovesOnIsNot) {
 }
 
 // Two scans at one instant, the first of those at rest.
-TEST_F(TrackerStill, NoTimePasses) {
+TEST_F(TrackerStill, AcceptsScansWithoutElapsedTime) {
   const StillOptions options;
   const PenPlace pen{{0, 0, 0.055}, {0, 0, -1}, {}, 1e-4, 1e-3};
   StillPen still;
@@ -152,7 +152,7 @@ TEST_F(TrackerStill, NoTimePasses) {
 }
 
 // The core's remanence becomes uncertain only once the pen moves.
-TEST_F(TrackerStill, IsKnownNoBetterThanBefore) {
+TEST_F(TrackerStill, RestDoesNotShrinkTheCovariance) {
   Move(5);
   Lie(3);
   ASSERT_TRUE(state.drift.still.referenced);

@@ -86,7 +86,7 @@ Tally Judge(const Draw& draw, const StaticOptions& options, int count) {
   return tally;
 }
 
-TEST(TrackerTruth, WithoutNoiseTheModelIsWithinThirtyMicrometresAtAnyTilt) {
+TEST(TrackerTruth, NoiseFreeErrorIsBelowThirtyMicrometresAtAnyTilt) {
   const Tally tally = Judge({.seed = 21, .noise = sim::NoiseMode::kNone, .tilt_max_rad = std::numbers::pi}, {}, 1500);
   EXPECT_EQ(tally.not_found, 0);
   EXPECT_LT(tally.mean(), 0.003);
@@ -95,7 +95,7 @@ TEST(TrackerTruth, WithoutNoiseTheModelIsWithinThirtyMicrometresAtAnyTilt) {
 
 class TrackerTruthPrecision : public testing::TestWithParam<Precision> {};
 
-TEST_P(TrackerTruthPrecision, SingleScansReachTheBoundAndKnowIt) {
+TEST_P(TrackerTruthPrecision, SingleScanErrorsMatchTheReportedCovariance) {
   constexpr int kCount = 4000;
   const Tally tally = Judge({.seed = 22}, {.precision = GetParam()}, kCount);
   EXPECT_EQ(tally.not_found, 0);
@@ -113,7 +113,7 @@ TEST(TrackerTruth, ColdStartsFindEveryOrientation) {
   EXPECT_LT(tally.worst(), 10);
 }
 
-TEST(TrackerTruth, HiddenCurrentsCostLittle) {
+TEST(TrackerTruth, UnknownCoilCurrentsBarelyIncreaseTheError) {
   StaticOptions options;
   options.trust.currents_hidden = true;
   constexpr int kCount = 2000;
@@ -134,7 +134,7 @@ TEST(TrackerTruth, UnknownAmbientFieldIsEliminated) {
 }
 
 // Shows that these tests can fail: a magnet modelled 1 % too wide is noticed.
-TEST(TrackerTruth, AMagnetOfAnotherSizeIsNoticed) {
+TEST(TrackerTruth, WrongMagnetSizeIncreasesTheError) {
   base::DeviceGeometry device = support::NominalDevice();
   sim::Rig rig(device, {.seed = 26, .noise = sim::NoiseMode::kNone});
   base::Calibration wrong = rig.ExactCalibration();

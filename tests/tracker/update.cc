@@ -61,7 +61,7 @@ class TrackerUpdate : public testing::Test {
   double Error_m() const { return (base::ToEigen(tool.position_base_m) - pose.position_base_m).norm(); }
 };
 
-TEST_F(TrackerUpdate, FirstScanIsAFix) {
+TEST_F(TrackerUpdate, FirstScanYieldsAPose) {
   Run(1);
   EXPECT_EQ(tool.status, TrackingStatus::kTracking);
   EXPECT_TRUE(tool.ever_tracked);
@@ -72,7 +72,7 @@ TEST_F(TrackerUpdate, FirstScanIsAFix) {
 }
 
 // Sensors slower than the tick: the scan in between is the previous one again.
-TEST_F(TrackerUpdate, ScanWithTheSameStampChangesNothingAndSaysSo) {
+TEST_F(TrackerUpdate, RepeatedTimestampKeepsStateAndSetsRepeatedFlag) {
   Run(50);
   for (int i = 0; i < 20; ++i) {
     const base::HallScan scan = NextScan();
@@ -90,7 +90,7 @@ TEST_F(TrackerUpdate, ScanWithTheSameStampChangesNothingAndSaysSo) {
 }
 
 // A device whose clock stops while its sensors go on: no old pose may pass for a current one.
-TEST_F(TrackerUpdate, ClockThatStandsIsLostThenAbsentThenFoundAgain) {
+TEST_F(TrackerUpdate, StoppedClockIsLostThenAbsentAndRecovers) {
   Run(50);
   const std::int64_t stands_ns = t_ns;
   for (int i = 1; i <= 100; ++i) {
@@ -111,7 +111,7 @@ TEST_F(TrackerUpdate, ClockThatStandsIsLostThenAbsentThenFoundAgain) {
   EXPECT_LT(Error_m(), 1e-3);
 }
 
-TEST_F(TrackerUpdate, StillPenIsFilteredBelowOneScansNoise) {
+TEST_F(TrackerUpdate, StillPenIsFilteredBelowSingleScanNoise) {
   config.drift.enabled = false;  // what it allows for slowly wanders
   Run(200);
   double filtered = 0, single = 0;
@@ -125,7 +125,7 @@ TEST_F(TrackerUpdate, StillPenIsFilteredBelowOneScansNoise) {
   EXPECT_LT(filtered, 0.4 * single);
 }
 
-TEST_F(TrackerUpdate, MovingPenHasItsVelocity) {
+TEST_F(TrackerUpdate, EstimatesVelocityOfAMovingPen) {
   const Vector3d v(0.15, 0.1, 0.05);
   const Vector3d w(2, -1, 0);
   double sum_m = 0;
@@ -174,7 +174,7 @@ TEST_F(TrackerUpdate, CoilCurrentsDoNotMoveThePose) {
 }
 
 // A ramp of 400 A/s: without interpolation, up to 0.4 A of error and a wrong pose.
-TEST_F(TrackerUpdate, ChangingCurrentsAreTakenAtEachSensorsInstant) {
+TEST_F(TrackerUpdate, ChangingCurrentsAreInterpolatedToEachSensorsInstant) {
   noise_scale = 0;
   const auto ramp_A = [](double t_s) { return std::array<double, 3>{400 * t_s, -300 * t_s, 200 * t_s}; };
   for (int i = 0; i < 25; ++i) {
@@ -194,7 +194,7 @@ TEST_F(TrackerUpdate, ChangingCurrentsAreTakenAtEachSensorsInstant) {
 
 // A current that changes its slope in every control step, 5 A from one to the next: it is interpolated to where each
 // sensor sampled, up to two ticks back; its mean would be wrong by amperes.
-TEST_F(TrackerUpdate, CurrentsOfControlStepsAreTakenAtEachSensorsInstant) {
+TEST_F(TrackerUpdate, ControlStepCurrentsAreInterpolatedToEachSensor) {
   noise_scale = 0;
   Run(20);  // currents that change like this are no beginning
   const auto knot_A = [](std::int64_t j) {
@@ -230,7 +230,7 @@ TEST_F(TrackerUpdate, CurrentsOfControlStepsAreTakenAtEachSensorsInstant) {
 }
 
 // Stamps lag the device's tick by the age of the newest sensor.
-TEST(TrackerCurrents, TheEndOfTheTickIsLearntFromTheStamps) {
+TEST(TrackerCurrents, TickEndIsEstimatedFromTheTimestamps) {
   CurrentHistory history;
   base::HallScan scan;
   double worst_s = 0;
@@ -244,7 +244,7 @@ TEST(TrackerCurrents, TheEndOfTheTickIsLearntFromTheStamps) {
   EXPECT_LT(worst_s, 3e-5);
 }
 
-TEST_F(TrackerUpdate, LosesHoldsForgetsAndFindsAgain) {
+TEST_F(TrackerUpdate, LostPenHoldsPoseThenTurnsAbsentAndIsFoundAgain) {
   const Vector3d v(0.1, 0, 0);
   for (int i = 0; i < 50; ++i) {
     pose.position_base_m += 1e-3 * v;
@@ -271,7 +271,7 @@ TEST_F(TrackerUpdate, LosesHoldsForgetsAndFindsAgain) {
   EXPECT_LT(Error_m(), 2e-3);
 }
 
-TEST_F(TrackerUpdate, AJumpIsBelievedWhenItStaysAndInventsNoVelocity) {
+TEST_F(TrackerUpdate, PersistentJumpIsAcceptedWithoutFalseVelocity) {
   Run(50);
   const base::ToolState before = tool;
   pose = {{-0.04, 0.03, 0.05}, Vector3d(0.3, 0, 1).normalized()};
@@ -286,7 +286,7 @@ TEST_F(TrackerUpdate, AJumpIsBelievedWhenItStaysAndInventsNoVelocity) {
   EXPECT_LT(base::ToEigen(tool.velocity_base_m_s).norm(), 0.5);
 }
 
-TEST_F(TrackerUpdate, OneScanFromElsewhereIsNotFollowed) {
+TEST_F(TrackerUpdate, SingleScanJumpIsRejected) {
   Run(50);
   const Pose here = pose;
   pose = {{-0.04, 0.03, 0.05}, Vector3d(0.3, 0, 1).normalized()};
@@ -317,7 +317,7 @@ TEST_F(TrackerUpdate, PenOutOfReachIsAbsent) {
   }
 }
 
-TEST_F(TrackerUpdate, SaturatedAxesCostNothingButInformation) {
+TEST_F(TrackerUpdate, SaturatedAxesOnlyReduceDegreesOfFreedom) {
   Run(50);
   for (int i = 0; i < 50; ++i) {
     base::HallScan scan = NextScan();
@@ -330,7 +330,7 @@ TEST_F(TrackerUpdate, SaturatedAxesCostNothingButInformation) {
   EXPECT_LT(Error_m(), 1.5e-3);
 }
 
-TEST_F(TrackerUpdate, OneWrongSensorFailsTheGate) {
+TEST_F(TrackerUpdate, ScanWithOneWrongSensorIsRejected) {
   Run(50);
   base::HallScan scan = NextScan();
   scan.field_sensor_T[2].x += 1e-4;
@@ -341,7 +341,7 @@ TEST_F(TrackerUpdate, OneWrongSensorFailsTheGate) {
   EXPECT_EQ(tool.status, TrackingStatus::kTracking);
 }
 
-TEST_F(TrackerUpdate, ClockThatStandsOrGoesBackKeepsThePose) {
+TEST_F(TrackerUpdate, ClockJumpsKeepThePose) {
   Run(50);
   for (const std::int64_t jump : {std::int64_t{0}, std::int64_t{-5'000'000}, std::int64_t{3'000'000'000}}) {
     base::HallScan scan = NextScan();
@@ -353,7 +353,7 @@ TEST_F(TrackerUpdate, ClockThatStandsOrGoesBackKeepsThePose) {
 }
 
 // Each way to corrupt a scan: the state stays finite, and a good scan afterwards tracks.
-TEST_F(TrackerUpdate, BrokenScansNeverBreakTheTracker) {
+TEST_F(TrackerUpdate, RecoversFromMalformedScansWithFiniteOutput) {
   using Breaker = std::function<void(base::HallScan&)>;
   const std::vector<Breaker> breakers{
       [](base::HallScan& s) {
@@ -419,7 +419,7 @@ TEST_F(TrackerUpdate, BrokenScansNeverBreakTheTracker) {
   }
 }
 
-TEST_F(TrackerUpdate, RandomBitsNeverBreakTheTracker) {
+TEST_F(TrackerUpdate, OutputStaysFiniteForRandomlyCorruptedScans) {
   for (int i = 0; i < 5'000; ++i) {
     base::HallScan scan = NextScan();
     auto* bytes = reinterpret_cast<unsigned char*>(&scan);
@@ -429,7 +429,7 @@ TEST_F(TrackerUpdate, RandomBitsNeverBreakTheTracker) {
   }
 }
 
-TEST_F(TrackerUpdate, EqualScansGiveEqualBits) {
+TEST_F(TrackerUpdate, EqualScansGiveBitIdenticalResults) {
   State second;
   for (int i = 0; i < 100; ++i) {
     const base::HallScan scan = NextScan();
@@ -440,7 +440,7 @@ TEST_F(TrackerUpdate, EqualScansGiveEqualBits) {
   }
 }
 
-TEST(TrackerPredict, MovesTurnsAndStopsAtTwentyMilliseconds) {
+TEST(TrackerPredict, ExtrapolatesPoseForAtMostTwentyMilliseconds) {
   base::ToolState tool;
   tool.t_ns = 5'000'000;
   tool.position_base_m = {0, 0, 0.05};
@@ -458,7 +458,7 @@ TEST(TrackerPredict, MovesTurnsAndStopsAtTwentyMilliseconds) {
 }
 
 // A pen carried past is no sign of a wrong calibration.
-TEST_F(TrackerUpdate, APenOutOfReachContradictsNothing) {
+TEST_F(TrackerUpdate, PenOutOfReachDoesNotReportContradiction) {
   for (const Pose& away : {Pose{{0, 0, 0.30}, Vector3d(0, 0, -1)}, Pose{{0.28, 0, 0.02}, Vector3d(-1, 0, 0)},
                            Pose{{0.13, 0, -0.10}, Vector3d(-1, 0, 0)}, Pose{{0, 0, 0.5}, Vector3d(0, 0, -1)}}) {
     state = {};
@@ -473,7 +473,7 @@ TEST_F(TrackerUpdate, APenOutOfReachContradictsNothing) {
   }
 }
 
-TEST_F(TrackerUpdate, SaysHowStrongTheMagnetIsAndThatNoPoseExplainsIt) {
+TEST_F(TrackerUpdate, ReportsFieldStrengthAndContradictionWhenNoPoseFits) {
   Run(20);
   EXPECT_GT(tool.field_rms_T, 1.5e-4) << "a pen near the hull";
   base::DeviceGeometry other = support::NominalDevice();

@@ -24,7 +24,7 @@ Steady DriveSteadily(const VehicleInput& car, double steer_rad, double throttle)
   return {speed_m_s, speed_m_s / turn_rad_s, speed_m_s * turn_rad_s / kGravity_m_s2, driver.state.sliding};
 }
 
-TEST(Bicycle, TyreGrowsAsItsStiffnessAndEndsAtItsGrip) {
+TEST(Bicycle, TyreForceIsLinearThenSaturatesAtGrip) {
   EXPECT_NEAR(BrushTyre(1e-6) / 1e-6, 1, 1e-5);
   EXPECT_NEAR(BrushTyre(3), 1, 1e-15);
   EXPECT_EQ(BrushTyre(50), 1);
@@ -33,7 +33,7 @@ TEST(Bicycle, TyreGrowsAsItsStiffnessAndEndsAtItsGrip) {
 }
 
 // delta = L / R + (1 / C_f - 1 / C_r) a / g while slip is small [Milliken, Race Car Vehicle Dynamics, 5.4].
-TEST(Bicycle, SteadyCornerIsTheAnalyticOne) {
+TEST(Bicycle, SteadyCorneringMatchesClosedForm) {
   for (const double rear : {3.0, 4.5, 9.0}) {
     VehicleInput car = Car();
     car.slip_stiffness_rear_per_rad = rear;
@@ -51,7 +51,7 @@ TEST(Bicycle, SteadyCornerIsTheAnalyticOne) {
   }
 }
 
-TEST(Bicycle, WithGripToSpareItTurnsLikeTheKinematicOne) {
+TEST(Bicycle, HighGripMatchesTheKinematicBicycle) {
   VehicleInput car = Car();
   car.grip_g = 10;
   car.slip_stiffness_front_per_rad = car.slip_stiffness_rear_per_rad = 100;
@@ -61,7 +61,7 @@ TEST(Bicycle, WithGripToSpareItTurnsLikeTheKinematicOne) {
   EXPECT_NEAR(steady.radius_m, car.wheelbase_m / std::tan(0.3) / std::cos(beta), 0.01 * steady.radius_m);
 }
 
-TEST(Bicycle, AtTheLimitOfGripItSlidesWide) {
+TEST(Bicycle, SlidesWideAtTheGripLimit) {
   VehicleInput car = Car();
   car.grip_g = 0.03;
   double last_m = 0;
@@ -75,7 +75,7 @@ TEST(Bicycle, AtTheLimitOfGripItSlidesWide) {
   EXPECT_TRUE(DriveSteadily(car, 0.5, 1).sliding);
 }
 
-TEST(Bicycle, FollowsThrottleToItsSpeed) {
+TEST(Bicycle, ReachesTheSpeedSetByThrottle) {
   Driver driver(Plain(Car()));
   driver.Go({0, 1}, 100);
   EXPECT_NEAR(driver.Speed(), 0.1 * driver.car().acceleration_m_s2, 1e-9) << "from a standstill";
@@ -115,7 +115,7 @@ TEST(Bicycle, SteersRightForARightStick) {
   EXPECT_LT(driver.state.heading_rad, driver.car().start_heading_rad);
 }
 
-TEST(Bicycle, ThrownSidewaysItStopsByFriction) {
+TEST(Bicycle, SidewaysMotionStopsByFriction) {
   VehicleInput car = Car();
   car.grip_g = 0.1;
   Driver driver(Plain(car));

@@ -20,7 +20,7 @@ JoystickInput RandomStick(Random& random) {
 }
 
 // Round a random closed polygon the notches do no work.
-TEST(Detents, DoNoWorkRoundALoop) {
+TEST(Detents, DoNoWorkAroundClosedPaths) {
   Random random(1);
   for (int m = 0; m < 40; ++m) {
     const JoystickInput stick = RandomStick(random);
@@ -42,7 +42,7 @@ TEST(Detents, DoNoWorkRoundALoop) {
 }
 
 // Between any two near places the force changes by no more than the limit times their distance.
-TEST(Detents, WithTheSpringStayWithinTheStiffnessLimit) {
+TEST(Detents, StayWithinTheStiffnessLimitWithTheSpring) {
   Random random(2);
   for (int m = 0; m < 60; ++m) {
     const JoystickInput stick = RandomStick(random);
@@ -82,7 +82,7 @@ TEST(Detents, HoldTheStickInTheirNotches) {
 }
 
 // The spring sets in without a kink and is what it was beyond.
-TEST(Detents, TheDeadZoneHasASoftEdge) {
+TEST(Detents, DeadZoneHasASmoothEdge) {
   JoystickInput stick;
   stick.damping_Ns_m = 0;
   const auto at = [&](double x) {

@@ -89,7 +89,7 @@ TEST(Laps, TheWrongWayRoundDoesNotCount) {
   }
 }
 
-TEST(Laps, BackOverACheckpointTakesItBack) {
+TEST(Laps, ReversingOverACheckpointUndoesIt) {
   Driver driver(Built(RingWithCheckpoints()));
   Round(driver, 0.3);
   EXPECT_EQ(driver.state.lap.next, 1U);

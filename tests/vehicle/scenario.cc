@@ -53,7 +53,7 @@ TEST(Car, NeverLeavesAClosedRingAtAnySpeed) {
   }
 }
 
-TEST(Car, LosesItsSpeedIntoAWallButNotAlongIt) {
+TEST(Car, LosesNormalSpeedAtAWallButNotTangential) {
   Driver driver(Built(Ring()));
   const double middle = std::numbers::pi / 64;  // of a facet
   const Vec3 out{std::cos(middle), std::sin(middle), 0};
@@ -71,7 +71,7 @@ TEST(Car, LosesItsSpeedIntoAWallButNotAlongIt) {
   EXPECT_GT(driver.Speed(), 0.03) << "askew";
 }
 
-TEST(Car, AWallTurnsItAlong) {
+TEST(Car, WallTurnsTheCarAlongIt) {
   SceneInput input = Ring();
   Driver driver(Built(input));
   driver.state.heading_rad = std::numbers::pi / 2 - 0.5;  // half a radian towards the outer wall
@@ -83,7 +83,7 @@ TEST(Car, AWallTurnsItAlong) {
   EXPECT_GT(driver.Speed(), 0.03) << "it drives on along the wall";
 }
 
-TEST(Car, PutIntoAWallItComesOut) {
+TEST(Car, OverlapWithAWallIsResolved) {
   Driver driver(Built(Ring()));
   driver.state.position_base_m = {0.0492, 0, 0.0015};  // 0.3 mm from the outer wall's face
   driver.Coast();
@@ -92,7 +92,7 @@ TEST(Car, PutIntoAWallItComesOut) {
 }
 
 // A wedge of 20 degrees: driven into it at any speed the car stops and does not come out of the other side.
-TEST(Car, AWedgeStopsIt) {
+TEST(Car, WedgeStopsTheCar) {
   SceneInput input = SceneOf(Block(1, {0.03, 0.001, 0.002}));
   const double half = std::numbers::pi / 18;
   for (const double side : {-1.0, 1.0}) {
@@ -118,7 +118,7 @@ TEST(Car, AWedgeStopsIt) {
   }
 }
 
-TEST(Hits, AreFeltByThePenThatDrove) {
+TEST(Hits, AddAPulseToThePenForce) {
   Pen pen(Built(Ring()));
   pen.MoveTo({0, 0, 0.03});
   pen.Slide({0, 0, 0.03}, {0, 0.015, 0.03}, 50);
@@ -131,7 +131,7 @@ TEST(Hits, AreFeltByThePenThatDrove) {
   EXPECT_GT(strongest_N, 0.9) << "spring 0.81 N and the pulse";
 }
 
-TEST(Hits, AStrongOneIsFeltThroughAWeakOne) {
+TEST(Hits, StrongHitIsRenderedDuringAWeakOne) {
   Driver driver(Built(Ring()));
   const base::ForceLimit limit = test::UsualLimit();
   const PulseLimits limits{limit, {}, 850};
@@ -155,7 +155,7 @@ TEST(Hits, AStrongOneIsFeltThroughAWeakOne) {
   }
 }
 
-TEST(Road, IsFeltWithinItsBounds) {
+TEST(Road, ForceStaysWithinItsBound) {
   VehicleInput car;
   car.engine_force_N = car.road_force_N = 0.1;
   VehicleState state;
@@ -174,7 +174,7 @@ TEST(Road, IsFeltWithinItsBounds) {
   for (int k = 0; k < 100; ++k) EXPECT_EQ(RoadForce_N(car, 1e-3, state), 0);
 }
 
-TEST(Build, SaysWhatIsWrongWithATrack) {
+TEST(Build, ReportsTrackErrors) {
   SceneInput input = RingWithCheckpoints();
   input.vehicle->start_base_m.x = 0.049;
   input.vehicle->checkpoints[1].position_base_m = {-0.05, 0, 0};

@@ -63,7 +63,7 @@ void Throw(Random& random, double fastest_m_s, VehicleState& state) {
 }
 
 // The touch found by the tree is the one found by stepping along in small steps.
-TEST(Walls, FirstTouchIsWhereSmallStepsFindIt) {
+TEST(Walls, FirstTouchMatchesSmallSteps) {
   Random random(11);
   int touches = 0, seen = 0;
   for (int m = 0; m < 20; ++m) {
@@ -97,7 +97,7 @@ TEST(Walls, FirstTouchIsWhereSmallStepsFindIt) {
   EXPECT_GT(seen, 0.9 * touches) << "hardly any touch is one that steps do not see";
 }
 
-TEST(Walls, NothingPassesThroughAndNoEnergyIsGained) {
+TEST(Walls, CarDoesNotPassThroughOrGainEnergy) {
   Random random(7);
   std::uint32_t hits = 0;
   for (int m = 0; m < 40; ++m) {
@@ -126,7 +126,7 @@ TEST(Walls, NothingPassesThroughAndNoEnergyIsGained) {
 }
 
 // Off track, tyres, engine and walls together: speeds stay what the engine can give.
-TEST(Walls, ADriveAmongThemStaysSlow) {
+TEST(Walls, DriveAmongWallsStaysBelowTopSpeed) {
   Random random(3);
   for (int m = 0; m < 10; ++m) {
     Driver driver(Built(Maze(random)));
@@ -159,7 +159,7 @@ TEST(Walls, EqualDrivesGiveEqualBits) {
   EXPECT_EQ(std::memcmp(&end[0], &end[1], sizeof(VehicleState)), 0);
 }
 
-TEST(Walls, AbsurdStatesAreTamed) {
+TEST(Walls, AbsurdStatesAreClamped) {
   Random random(9);
   Driver driver(Built(Maze(random)));
   const double odd[] = {std::nan(""), std::numeric_limits<double>::infinity(), -1e300, 1e12, 1e-310, 0.0};
@@ -184,7 +184,7 @@ base::ForceLimit RandomLimit(Random& random) {
   return limit;
 }
 
-TEST(Pulses, GrowWithSpeedAndStayUnderEveryLimit) {
+TEST(Pulses, GrowWithSpeedWithinForceAndSlewLimits) {
   Random random(31);
   int rendered = 0;
   for (int m = 0; m < 2000; ++m) {
@@ -243,7 +243,7 @@ TEST(Pulses, HeadroomIsExact) {
 }
 
 // The whole of it through Step, the pen and its limits at random: finite, feasible, no allocation.
-TEST(Play, HoldsOverRandomInputs) {
+TEST(Play, ForceIsBoundedWithoutAllocationForRandomInputs) {
   Random random(41);
   SceneInput input = Maze(random);
   JoystickInput& stick = input.joystick.emplace();

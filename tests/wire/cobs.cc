@@ -68,7 +68,7 @@ std::vector<Vector> KnownVectors() {
   };
 }
 
-TEST(Cobs, KnownVectors) {
+TEST(Cobs, MatchesKnownVectors) {
   for (const Vector& vector : KnownVectors()) {
     EXPECT_EQ(Encoded(vector.data), vector.packet) << vector.name;
     CobsReceiver receiver;
@@ -77,13 +77,13 @@ TEST(Cobs, KnownVectors) {
 }
 
 // Other encoders write an empty block at the end of the data, which may be omitted.
-TEST(Cobs, AcceptsTheEmptyBlockBehindAFullOne) {
+TEST(Cobs, AcceptsAnEmptyBlockAfterAFullOne) {
   const Bytes all = Counting(1, 254);
   CobsReceiver receiver;
   EXPECT_EQ(Received(Joined({{255}, all, {1, kCobsEnd}}), receiver), std::vector<Bytes>{all});
 }
 
-TEST(Cobs, SmallBuffersAreRefusedNotOverrun) {
+TEST(Cobs, RejectsSmallBuffersWithoutOverrun) {
   for (const Vector& vector : KnownVectors()) {
     for (std::size_t capacity = 0; capacity < vector.packet.size(); ++capacity) {
       Bytes packet(capacity + 1, 0xAA);
@@ -93,19 +93,19 @@ TEST(Cobs, SmallBuffersAreRefusedNotOverrun) {
   }
 }
 
-TEST(Cobs, ZerosBetweenPacketsMeanNothing) {
+TEST(Cobs, IgnoresZerosBetweenPackets) {
   CobsReceiver receiver;
   EXPECT_EQ(Received({0, 0, 2, 7, 0, 0, 0, 2, 8, 0}, receiver), (std::vector<Bytes>{{7}, {8}}));
   EXPECT_EQ(receiver.cut_short() + receiver.too_long(), 0U);
 }
 
-TEST(Cobs, PacketsCutShortAreCountedAndTheNextOneIsWhole) {
+TEST(Cobs, CountsTruncatedPacketsAndReceivesTheNext) {
   CobsReceiver receiver;
   EXPECT_EQ(Received({5, 1, 2, 0, 2, 9, 0}, receiver), std::vector<Bytes>{{9}});
   EXPECT_EQ(receiver.cut_short(), 1U);
 }
 
-TEST(Cobs, PacketsThatAreTooLongAreCountedAndTheNextOneIsWhole) {
+TEST(Cobs, CountsOverlongPacketsAndReceivesTheNext) {
   CobsReceiver receiver;
   const Bytes longest(kFrameSizeMax, 7);
   const Bytes longer(kFrameSizeMax + 1, 7);
@@ -128,7 +128,7 @@ Bytes TelemetryFrame(std::uint16_t seq) {
 
 // Whatever value one byte of the middle frame changes to, no wrong frame is accepted, and the frames around it survive;
 // only a damaged end costs two.
-TEST(Cobs, EveryByteCorruptedCostsOnlyWhatItTouches) {
+TEST(Cobs, CorruptByteLosesOnlyTheFramesItTouches) {
   const Bytes frames[3] = {TelemetryFrame(1), TelemetryFrame(2), TelemetryFrame(3)};
   const Bytes first = Joined({Encoded(frames[0]), {kCobsEnd}});
   const Bytes middle = Joined({Encoded(frames[1]), {kCobsEnd}});

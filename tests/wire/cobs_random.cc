@@ -38,7 +38,7 @@ TEST(CobsProperty, RoundTripsOfRandomData) {
   EXPECT_EQ(receiver.cut_short() + receiver.too_long(), 0U);
 }
 
-TEST(CobsProperty, NoiseNeverOutlivesTheNextEdge) {
+TEST(CobsProperty, ReceiverRecoversFromNoiseAtTheNextDelimiter) {
   std::mt19937_64 random(12);
   CobsReceiver receiver;
   for (int i = 0; i < 20'000; ++i) {

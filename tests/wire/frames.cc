@@ -96,7 +96,7 @@ Status OpenAsCommand(const Bytes& frame) {
   return status == Status::kOk ? DecodeCommand(view, kCurrentMax_A, command) : status;
 }
 
-TEST(Crc32c, KnownVectors) {
+TEST(Crc32c, MatchesKnownVectors) {
   // RFC 3720, B.4, and the usual check value.
   const std::string digits = "123456789";
   EXPECT_EQ(Crc32c(reinterpret_cast<const std::uint8_t*>(digits.data()), digits.size()), 0xE3069283U);
@@ -188,7 +188,7 @@ TEST(WireRoundTrip, Hello) {
   EXPECT_EQ(Decode(view, back), Status::kOutOfRange);
 }
 
-TEST(WireBadInput, EveryFaultOfTheEnvelopeHasItsName) {
+TEST(WireBadInput, ReportsEachEnvelopeErrorByStatus) {
   const Bytes good = EncodedCommand();
   EXPECT_EQ(Open(Bytes(good.begin(), good.begin() + 19)), Status::kTooShort);
   EXPECT_EQ(Open({}), Status::kTooShort);
@@ -215,7 +215,7 @@ TEST(WireBadInput, EveryFaultOfTheEnvelopeHasItsName) {
   EXPECT_EQ(OpenAsCommand(EncodedTelemetry()), Status::kWrongType);
 }
 
-TEST(WireBadInput, TruncatedPayloadWithValidCrc) {
+TEST(WireBadInput, RejectsTruncatedPayloadWithValidCrc) {
   Bytes bad = EncodedCommand();
   bad.resize(bad.size() - 1);
   bad[6] = 31;
@@ -231,7 +231,7 @@ TEST(WireBadInput, LongerPayloadOfANewerPeerIsAccepted) {
   EXPECT_EQ(OpenAsCommand(longer), Status::kOk);
 }
 
-TEST(WireBadInput, BadSetPointsAreRefusedOnBothSides) {
+TEST(WireBadInput, EncoderAndDecoderRejectBadSetPoints) {
   Bytes frame(kFrameSizeMax);
   const auto status = [&](const Command& command) {
     return EncodeCommand(command, kCurrentMax_A, 0, frame.data(), frame.size()).status;
@@ -271,7 +271,7 @@ TEST(WireBadInput, FailedDecodingLeavesTheMessageAlone) {
   EXPECT_EQ(command.host_us, 42U);
 }
 
-TEST(WireBadInput, SmallBuffersAreRefusedNotOverrun) {
+TEST(WireBadInput, RejectsSmallBuffersWithoutOverrun) {
   for (std::size_t capacity = 0; capacity < FrameSize<Telemetry>(); ++capacity) {
     Bytes frame(capacity + 1, 0xAA);
     const Encoded encoded = Encode(SampleTelemetry(), 0, 0, frame.data(), capacity);
@@ -281,7 +281,7 @@ TEST(WireBadInput, SmallBuffersAreRefusedNotOverrun) {
   }
 }
 
-TEST(WireSequence, IsSerialNumberArithmetic) {
+TEST(WireSequence, DistanceUsesSerialNumberArithmetic) {
   EXPECT_EQ(SeqDistance(1, 2), 1);
   EXPECT_EQ(SeqDistance(65535, 0), 1);
   EXPECT_EQ(SeqDistance(0, 65535), -1);

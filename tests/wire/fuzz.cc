@@ -79,7 +79,7 @@ TEST(WireFuzz, UpToThreeFlippedBitsAreAlwaysCaught) {
   }
 }
 
-TEST(WireFuzz, TruncatedExtendedAndShiftedFramesAreCaught) {
+TEST(WireFuzz, RejectsTruncatedExtendedAndShiftedFrames) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 5000; ++i) {
     const Bytes good = RandomFrame(random);
@@ -94,7 +94,7 @@ TEST(WireFuzz, TruncatedExtendedAndShiftedFramesAreCaught) {
   }
 }
 
-TEST(WireFuzz, RandomBytesAreNeverAccepted) {
+TEST(WireFuzz, RejectsRandomBytes) {
   std::mt19937_64 random(3);
   for (int i = 0; i < 50000; ++i) {
     Bytes frame(random() % 600);
@@ -112,7 +112,7 @@ TEST(WireFuzz, RandomBytesAreNeverAccepted) {
 }
 
 // A decoder must survive any payload behind a valid CRC, and never hand out a bad set-point.
-TEST(WireFuzz, ValidEnvelopeWithRandomPayload) {
+TEST(WireFuzz, RandomCommandsNeverYieldBadSetPoints) {
   std::mt19937_64 random(4);
   int accepted = 0;
   for (int i = 0; i < 50000; ++i) {
@@ -161,7 +161,7 @@ int DecodeAsAll(const Bytes& frame) {
 // A million payloads of noise (scripts/fuzz runs more, by OMNI_FUZZ), each behind a valid envelope of a random
 // type: at most the one decoder of that type takes it. Half of them begin as a valid message does, so that the checks
 // behind the first are reached.
-TEST(WireFuzz, AMillionRandomPayloadsOfEveryType) {
+TEST(WireFuzz, RandomPayloadsAreDecodedByAtMostOneType) {
   std::mt19937_64 random(5);
   std::int64_t accepted[9] = {};
   const char* asked = std::getenv("OMNI_FUZZ");

@@ -159,7 +159,7 @@ Status DecodedWith(Message message, Change change) {
   return Opened(Framed(message, 1, 0), back);
 }
 
-TEST(WireBadInput, ValuesOutOfRangeAreRefused) {
+TEST(WireBadInput, RejectsValuesOutOfRange) {
   for (const int op : {0, 5, 255}) {
     EXPECT_EQ(DecodedWith(SampleConfig(), [&](Config& c) { c.op = static_cast<ConfigOp>(op); }), Status::kOutOfRange);
   }
@@ -180,7 +180,7 @@ TEST(WireBadInput, ValuesOutOfRangeAreRefused) {
   EXPECT_EQ(DecodedWith(SampleHello(), [](Hello& h) { h.current_max_A = -15; }), Status::kOutOfRange);
 }
 
-TEST(WireBadInput, NumbersThatAreNotFiniteAreRefused) {
+TEST(WireBadInput, RejectsNonFiniteNumbers) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                           -std::numeric_limits<float>::infinity()}) {
     EXPECT_EQ(DecodedWith(SampleConfig(), [&](Config& c) { c.value = bad; }), Status::kNotFinite);
@@ -217,7 +217,7 @@ void ExpectLengthRules(const Message& message) {
   EXPECT_EQ(Opened(other, back), Message::kType == MessageType::kHello ? Status::kOk : Status::kBadVersion);
 }
 
-TEST(WireBadInput, LengthAndVersionOfEveryMessage) {
+TEST(WireBadInput, ChecksLengthAndVersionOfEveryMessage) {
   ExpectLengthRules(SampleHello());
   ExpectLengthRules(Telemetry{});
   ExpectLengthRules(Command{});
@@ -228,7 +228,7 @@ TEST(WireBadInput, LengthAndVersionOfEveryMessage) {
   ExpectLengthRules(SampleLog());
 }
 
-TEST(WireBadInput, NoMessageIsTakenForAnother) {
+TEST(WireBadInput, RejectsMessagesOfAnotherType) {
   Config config;
   Arm arm;
   Estop estop;
@@ -241,7 +241,7 @@ TEST(WireBadInput, NoMessageIsTakenForAnother) {
   EXPECT_EQ(Opened(Framed(SampleEstop(), 1, 0), log), Status::kWrongType);
 }
 
-TEST(WireBadInput, EncodingIntoTooLittleRoomWritesNothingBehindIt) {
+TEST(WireBadInput, EncodeNeverWritesBeyondASmallBuffer) {
   const Bytes whole = Framed(SampleFault(), 1, 0);
   for (std::size_t capacity = 0; capacity < whole.size(); ++capacity) {
     Bytes frame(capacity + 1, 0xAA);

@@ -23,7 +23,7 @@ std::string OutputOf(const std::string& command) {
   return pclose(pipe) == 0 ? text : "";
 }
 
-TEST(WirePage, IsTheCommittedOne) {
+TEST(WirePage, GeneratedPageMatchesCommittedPage) {
   std::ifstream file(OMNI_SOURCE_DIR "/docs/protocol/wire.md");
   const std::string committed{std::istreambuf_iterator<char>(file), {}};
   const std::string printed = OutputOf("'" OMNI_BINARY_DIR "/bin/wire_page'");
@@ -47,7 +47,7 @@ TEST(WireNames, EveryFaultBitHasNameMeaningAndAdvice) {
   EXPECT_EQ(names.size(), Faults().count);
 }
 
-TEST(WireNames, AreFoundByValueAndUnknownOnesSaySo) {
+TEST(WireNames, LookupByValueReturnsNameOrUnknown) {
   EXPECT_STREQ(MessageTypeName(MessageType::kEstop), "ESTOP");
   EXPECT_STREQ(StateName(State::kFault), "fault");
   EXPECT_STREQ(ModeName(Mode::kCurrent), "current");

@@ -18,7 +18,7 @@ ordered_json Document() {
           {"tables", {{"ratios", {{{"ratio", 25.5}}}}}}};
 }
 
-TEST(BenchPage, PutsRowsBetweenTheMarks) {
+TEST(BenchPage, InsertsRowsBetweenMarkers) {
   const auto page = FillPage("before\n<!-- results: solver -->\nold\n<!-- end -->\nafter\n", {{"solver", Document()}});
   ASSERT_TRUE(page.ok()) << page.error();
   EXPECT_EQ(*page,
@@ -27,7 +27,7 @@ TEST(BenchPage, PutsRowsBetweenTheMarks) {
             "<!-- end -->\nafter\n");
 }
 
-TEST(BenchPage, FillingTwiceIsFillingOnce) {
+TEST(BenchPage, FillingIsIdempotent) {
   const BenchDocuments documents{{"solver", Document()}};
   const auto once = FillPage("<!-- results: solver/ratios -->\n<!-- end -->\n", documents);
   ASSERT_TRUE(once.ok()) << once.error();
@@ -37,7 +37,7 @@ TEST(BenchPage, FillingTwiceIsFillingOnce) {
   EXPECT_EQ(*once, *twice);
 }
 
-TEST(BenchPage, SectionsAreTables) {
+TEST(BenchPage, SectionPlaceSelectsRowsOfThatSection) {
   const BenchDocuments documents{
       {"paper", {{"rows", {{{"section", "heat"}, {"C", 39}}, {{"section", "forces"}, {"N", 2}}}}}}};
   const auto page = FillPage("<!-- results: paper/forces -->\n<!-- end -->\n", documents);
@@ -46,26 +46,26 @@ TEST(BenchPage, SectionsAreTables) {
   EXPECT_EQ(page->find("39"), std::string::npos) << *page;
 }
 
-TEST(BenchPage, KeysSelectRows) {
+TEST(BenchPage, KeyPlaceSelectsRowsThatHaveTheKey) {
   const auto page = FillPage("<!-- results: solver:late -->\n<!-- end -->\n", {{"solver", Document()}});
   ASSERT_TRUE(page.ok()) << page.error();
   EXPECT_NE(page->find("| method | late |\n|---|---|\n| c | 1e+06 |\n"), std::string::npos) << *page;
 }
 
-TEST(BenchPage, WhatIsNotMeasuredSelectsNothing) {
+TEST(BenchPage, KeyPlaceSkipsRowsWhereTheKeyIsNull) {
   const auto page = FillPage("<!-- results: solver:us -->\n<!-- end -->\n", {{"solver", Document()}});
   ASSERT_TRUE(page.ok()) << page.error();
   EXPECT_EQ(page->find("| c |"), std::string::npos) << *page;
 }
 
-TEST(BenchPage, PlacesOfOtherDocumentsStay) {
+TEST(BenchPage, KeepsPlacesOfAbsentDocuments) {
   const std::string text = "<!-- results: loop -->\nkept\n<!-- end -->\n<!-- results: solver -->\n<!-- end -->\n";
   const auto page = FillPage(text, {{"solver", Document()}});
   ASSERT_TRUE(page.ok()) << page.error();
   EXPECT_EQ(page->rfind("<!-- results: loop -->\nkept\n<!-- end -->\n", 0), 0U) << *page;
 }
 
-TEST(BenchPage, RefusesWhatHasNoPlace) {
+TEST(BenchPage, RejectsMissingPlacesEndMarkersAndTables) {
   const BenchDocuments documents{{"solver", Document()}};
   const auto nowhere = FillPage("no place\n", documents);
   ASSERT_FALSE(nowhere.ok());

@@ -43,7 +43,7 @@ TEST(Paper, ForcesFitTheTextWithinFifteenPercent) {
   EXPECT_FALSE(section.notes.empty());
 }
 
-TEST(Paper, ForceLinesGoThroughTheRows) {
+TEST(Paper, ForceLinesMatchTheSectionRows) {
   PaperSection section = PaperForces(config::DefaultDevice());
   const double up_N = RowOf(section, "radial, I_z = +14.6 A, N").at("twin_fitted");
   const double down_N = RowOf(section, "radial, I_z = -14.6 A, N").at("twin_fitted");
@@ -64,7 +64,7 @@ TEST(Paper, ForceLinesGoThroughTheRows) {
   EXPECT_NEAR(high_N + low_N, up_N + down_N, 1e-9);
 }
 
-TEST(Paper, OurForcesAreTheTwinsAtContact) {
+TEST(Paper, ForceMapMatchesTheTwinAtContact) {
   const base::DeviceGeometry& device = config::DefaultDevice();
   const ForceTable twin = TwinForces(device, 0.041, device.core_kappa),
                    ours = OurForces(device, 0.041, device.core_kappa);
@@ -75,7 +75,7 @@ TEST(Paper, OurForcesAreTheTwinsAtContact) {
   EXPECT_NEAR(twin.snapping_N, 0.469, 0.01);
 }
 
-TEST(Paper, HeatMeetsTheThreeTemperatures) {
+TEST(Paper, HeatModelsMatchThePublishedTemperatures) {
   const PaperSection section = PaperHeat(config::DefaultDevice());
   for (const char* model : {"twin", "twin_fitted", "ours"}) {
     EXPECT_NEAR(RowOf(section, "15 A, 25 s: peak, C").at(model).get<double>(), 39, 1) << model;
@@ -84,7 +84,7 @@ TEST(Paper, HeatMeetsTheThreeTemperatures) {
   }
 }
 
-TEST(Paper, HeatCurvesPeakWhereTheRowsSay) {
+TEST(Paper, HeatCurvesMatchTheSectionRows) {
   PaperSection section = PaperHeat(config::DefaultDevice());
   const double peak_C = RowOf(section, "15 A, 25 s: peak, C").at("twin_fitted");
   const double end_C = RowOf(section, "5 A, 15 min: end, C").at("twin_fitted");
@@ -100,7 +100,7 @@ TEST(Paper, HeatCurvesPeakWhereTheRowsSay) {
   EXPECT_NEAR(last_C, end_C, 0.01);
 }
 
-TEST(Paper, DecayIsSlowerThanTheDipoles) {
+TEST(Paper, ForceDecaysSlowerThanTheDipoleLaw) {
   PaperSection section = PaperDecay(config::DefaultDevice());
   const tools::Rows curve = TakeTable(section.rows, "decay curve");
   ASSERT_EQ(curve.size(), 13U);
@@ -113,7 +113,7 @@ TEST(Paper, DecayIsSlowerThanTheDipoles) {
   EXPECT_EQ(curve[2].at("twin_radial_N"), section.rows[1].at("twin_radial_N"));  // both at 10 mm
 }
 
-TEST(Paper, MagnetSizesHoldTheMaximumOfTheRows) {
+TEST(Paper, MagnetSizeTableContainsTheBestSizes) {
   PaperSection section = PaperMagnets(config::DefaultDevice());
   const tools::Rows sizes = TakeTable(section.rows, "magnet sizes");
   ASSERT_EQ(section.rows.size(), 3U);
@@ -130,7 +130,7 @@ TEST(Paper, MagnetSizesHoldTheMaximumOfTheRows) {
   }
 }
 
-TEST(Paper, TrackingRunsOnFewPoses) {
+TEST(Paper, TrackingSectionBeatsThePaperMethodOnFewPoses) {
   PaperSection section = PaperTracking(config::DefaultDevice(), {.seed = 9001, .rigs = 2, .poses = 8});
   const tools::Rows bins = TakeTable(section.rows, "tracking distribution");
   ASSERT_EQ(bins.size(), 80U);

@@ -11,7 +11,7 @@
 namespace omni::bench {
 namespace test_bench_stress {
 
-TEST(Stress, NoFaultMakesTheTickAllocateOrExceedItsLimits) {
+TEST(Stress, TickNeverAllocatesOrExceedsLimitsUnderScanFaults) {
   ::setenv("OMNI_DATA_DIR", OMNI_SOURCE_DIR, 1);  // scenes of the source tree, whether built or not
   std::vector<RoomCondition> as_drawn{{.name = "drawn"}, {.name = "turning"}};
   for (RoomCondition& condition : as_drawn) condition.as_drawn = true;  // which needs no calibration
@@ -35,7 +35,7 @@ TEST(Stress, NoFaultMakesTheTickAllocateOrExceedItsLimits) {
 }
 
 // The long run must not repeat one minute.
-TEST(Stress, TheRoomOfTheLongRunChanges) {
+TEST(Stress, LongRunRoomFieldAndMagnetTemperatureVary) {
   const RoomCourse course = MakeRoomCourse(600, 5);
   ASSERT_EQ(course.size(), 601U);
   double field_T = 0, step_T = 0, hottest_K = 0, coolest_K = 100;

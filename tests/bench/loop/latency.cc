@@ -27,7 +27,7 @@ constexpr int kWavedTicks = 20'000;
 constexpr double kLateQuantile = 0.99;
 constexpr double kStep_us = 1e6 * base::kTickPeriod_s / base::kStepsPerTick;
 // Eight magnetometers of 8 bytes each and a command byte at 10 MHz, with the pauses that the chips require: the time in
-// firmware/board/teensy40/hall_array.h, calculated.
+// firmware/board/teensy40/sensors/hall_array.h, calculated.
 constexpr double kBus_us = 90;
 // USB 2.0 high speed: a bulk transfer waits for its microframe [5.10], and its bytes pass at 480 Mbit/s.
 constexpr double kMicroframe_us = 125, kBytesPerMicrosecond = 60, kPacketOverhead = 55;

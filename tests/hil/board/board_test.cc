@@ -34,7 +34,7 @@ bool IsSafe(const Outputs& outputs) {
   return outputs.duty[0] == 0 && outputs.duty[1] == 0 && outputs.duty[2] == 0 && outputs.awake == 0;
 }
 
-TEST(QemuBoard, AnswersAndEndsWithTheStatusItIsTold) {
+TEST(QemuBoard, AnswersStepsAndExitsWithTheRequestedStatus) {
   OMNI_NEEDS_BOARD();
   const auto board = StartBoard();
   ASSERT_NE(board, nullptr);
@@ -85,7 +85,7 @@ TEST(QemuBoard, SurvivesRandomRequests) {
   EXPECT_GE(refused, 1900U);
 }
 
-TEST(QemuBoard, KilledBoardIsAnErrorThatSaysSo) {
+TEST(QemuBoard, KilledBoardReportsItsExitStatus) {
   OMNI_NEEDS_BOARD();
   const auto board = StartBoard();
   ASSERT_NE(board, nullptr);
@@ -115,7 +115,7 @@ TEST(QemuBoard, StoppedBoardTimesOut) {
   EXPECT_GE(waited, std::chrono::milliseconds(4900));
 }
 
-TEST(LockstepImage, EndsWhenItsHostBreaksOff) {
+TEST(LockstepImage, ExitsWhenTheHostClosesTheLink) {
   OMNI_NEEDS_BOARD();
   const test::TempFolder folder;
   const std::string to = folder.Path(board::kToBoard), from = folder.Path(board::kFromBoard);
@@ -131,7 +131,7 @@ TEST(LockstepImage, EndsWhenItsHostBreaksOff) {
   close(from_board);
 }
 
-TEST(LockstepImage, SaysWhatItMisses) {
+TEST(LockstepImage, ReportsMissingFifosAndBadArguments) {
   OMNI_NEEDS_BOARD();
   auto run = RunImage({"mps2_lockstep", {}}, 20'000);
   ASSERT_TRUE(run.ok()) << run.error();

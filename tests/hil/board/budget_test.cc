@@ -14,7 +14,7 @@ namespace {
 
 constexpr char kPath[] = OMNI_SOURCE_DIR "/firmware/board/mps2_an500/budget.txt";
 
-TEST(Budget, ControlStepStaysWithinIt) {
+TEST(Budget, MeasuredCostsStayWithinTheBudgetFile) {
   OMNI_NEEDS_BOARD();
   const auto reference = ReadBudget(kPath);
   ASSERT_TRUE(reference.ok()) << reference.error();
@@ -32,7 +32,7 @@ TEST(Budget, ControlStepStaysWithinIt) {
 }
 
 // The board counts the same twice: the result does not depend on this machine.
-TEST(Budget, IsTheSameEveryTime) {
+TEST(Budget, MeasurementIsReproducible) {
   OMNI_NEEDS_BOARD();
   const auto once = MeasureBudget(), again = MeasureBudget();
   ASSERT_TRUE(once.ok()) << once.error();
@@ -40,7 +40,7 @@ TEST(Budget, IsTheSameEveryTime) {
   EXPECT_EQ(BudgetPage(*once), BudgetPage(*again));
 }
 
-TEST(Budget, FileIsReadAsItIsWritten) {
+TEST(Budget, FileRoundTripsAndErrorsNameTheLine) {
   const test::TempFolder folder;
   const Budget budget{{"a", 1}, {"b", 4000000000U}};
   const auto read = ReadBudget(folder.Write("budget.txt", BudgetPage(budget)));

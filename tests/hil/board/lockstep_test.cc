@@ -67,7 +67,7 @@ TEST(Lockstep, HostAndTargetAgreeInEveryBit) {
   EXPECT_EQ(end->status, 0);
 }
 
-TEST(Lockstep, DrillHasTheSameChecksum) {
+TEST(Lockstep, DrillChecksumMatchesTheHost) {
   OMNI_NEEDS_BOARD();
   const auto run = RunImage({"mps2_drill", {std::to_string(kSteps)}}, kTimeout_ms);
   ASSERT_TRUE(run.ok()) << run.error();

@@ -32,7 +32,7 @@ int CountTests() {
   return count;
 }
 
-TEST(Target, PassesTheTestsOfTheHost) {
+TEST(Target, PassesTheUnitTestsOfTheHost) {
   OMNI_NEEDS_BOARD();
   const auto run = RunImage({"mps2_tests", {}}, kTimeout_ms);
   ASSERT_TRUE(run.ok()) << run.error();
@@ -47,7 +47,7 @@ TEST(Target, PassesTheTestsOfTheHost) {
   EXPECT_EQ(failed, 0);
 }
 
-TEST(Target, FailuresAreTheExitStatus) {
+TEST(Target, ExitStatusIsTheNumberOfFailures) {
   OMNI_NEEDS_BOARD();
   const auto run = RunImage({"mps2_tests", {"self"}}, kTimeout_ms);
   ASSERT_TRUE(run.ok()) << run.error();
@@ -61,7 +61,7 @@ TEST(Target, FailuresAreTheExitStatus) {
 }
 
 // An undefined instruction is a usage fault, exception 6.
-TEST(Target, ExceptionEndsWithItsNumber) {
+TEST(Target, ExitStatusNamesTheException) {
   OMNI_NEEDS_BOARD();
   const auto run = RunImage({"mps2_tests", {"exception"}}, kTimeout_ms);
   ASSERT_TRUE(run.ok()) << run.error();
@@ -70,7 +70,7 @@ TEST(Target, ExceptionEndsWithItsNumber) {
 }
 
 // Below the stack is a guard of the memory protection unit, exception 4; no data is overwritten.
-TEST(Target, FullStackIsAnException) {
+TEST(Target, StackOverflowRaisesAnException) {
   OMNI_NEEDS_BOARD();
   const auto run = RunImage({"mps2_tests", {"overflow"}}, kTimeout_ms);
   ASSERT_TRUE(run.ok()) << run.error();
@@ -91,7 +91,7 @@ std::set<std::string> SymbolsOf(const std::string& image) {
 }
 
 // The core promises: no heap, no exceptions, no libm (whose last bits differ from the host's), no printf.
-TEST(Target, FirmwareBringsNoHeapAndNoMathsLibrary) {
+TEST(Target, FirmwareLinksNoHeapAndNoMathsLibrary) {
   OMNI_NEEDS_BOARD();
   const auto firmware = SymbolsOf("mps2_lockstep"), tests = SymbolsOf("mps2_tests");
   ASSERT_EQ(firmware.count("Reset_Handler"), 1U);

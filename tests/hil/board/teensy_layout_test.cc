@@ -84,7 +84,7 @@ TEST_F(TeensyLayout, FlashConfigurationIsFirst) {
   EXPECT_EQ(Flash(kFlashBase + 0x1C4), 4096U) << "sector";
 }
 
-TEST_F(TeensyLayout, ImageVectorTableLeadsToStartUp) {
+TEST_F(TeensyLayout, ImageVectorTablePointsToStartUp) {
   EXPECT_EQ(Flash(kIvtAddress), 0x432000D1U);
   const std::uint32_t entry = Flash(kIvtAddress + 4);
   EXPECT_EQ(entry & 1U, 1U) << "Thumb";
@@ -100,7 +100,7 @@ TEST_F(TeensyLayout, ImageVectorTableLeadsToStartUp) {
   EXPECT_EQ(Flash(kIvtAddress + 24), 0U) << "not signed";
 }
 
-TEST_F(TeensyLayout, BootDataNamesTheWholeImage) {
+TEST_F(TeensyLayout, BootDataCoversTheWholeImage) {
   std::uint32_t end = 0;
   for (const ElfSegment& segment : elf_.segments) {
     if (!segment.bytes.empty())
@@ -114,7 +114,7 @@ TEST_F(TeensyLayout, BootDataNamesTheWholeImage) {
   std::printf("image %u of %u bytes of flash\n", end - kFlashBase, kFlashUsable);
 }
 
-TEST_F(TeensyLayout, VectorTableIsCompleteAndLeadsToCode) {
+TEST_F(TeensyLayout, VectorTableIsCompleteAndPointsToCode) {
   const ElfSection& code = Section(".itcm");
   ASSERT_EQ(code.address, kNullTrapSize) << "first in its memory, aligned to more than its size";
   ASSERT_GE(code.bytes.size(), 4U * kVectors);
@@ -136,7 +136,7 @@ TEST_F(TeensyLayout, VectorTableIsCompleteAndLeadsToCode) {
   EXPECT_EQ(vector(kCoreVectors + static_cast<int>(Irq::kPit)), Symbol("OnControlStep"));
 }
 
-TEST_F(TeensyLayout, SectionsLieInTheirMemoriesAndApart) {
+TEST_F(TeensyLayout, SectionsLieInTheirMemoriesWithoutOverlap) {
   struct Memory {
     const char* section;
     std::uint32_t base, size;
@@ -186,7 +186,7 @@ TEST_F(TeensyLayout, MemoriesFitTheirBudgets) {
 
 // The compiler's own frame sizes. No function recurses or sizes its frame at run time, so what is on the stack at once
 // is at most every frame; twice that allows for functions that the main loop and an interrupt share.
-TEST_F(TeensyLayout, EveryFrameTwiceFitsTheStack) {
+TEST_F(TeensyLayout, StackHoldsTwiceTheSumOfAllFrames) {
   constexpr std::uint32_t kLevels = 4, kExceptionFrame = 112;  // with FPU registers and padding [ARM B1.5.7]
   std::uint32_t sum = 0, functions = 0;
   const fs::path cross = fs::path(OMNI_BINARY_DIR) / "cross";
@@ -210,7 +210,7 @@ TEST_F(TeensyLayout, EveryFrameTwiceFitsTheStack) {
   std::printf("%u functions, all frames together %u bytes, stack %u\n", functions, sum, kStackSize);
 }
 
-TEST_F(TeensyLayout, BringsNoHeapAndNoMathsLibrary) {
+TEST_F(TeensyLayout, LinksNoHeapAndNoMathsLibrary) {
   ASSERT_TRUE(elf_.Symbol("main").has_value());
   for (const char* name : {"malloc",
                            "_malloc_r",
@@ -246,7 +246,7 @@ TEST_F(TeensyLayout, BringsNoHeapAndNoMathsLibrary) {
 }
 
 // What the loader writes is what the linker made.
-TEST_F(TeensyLayout, HexIsTheImage) {
+TEST_F(TeensyLayout, HexFileMatchesTheElfImage) {
   std::string error;
   const std::string path = fs::path(ImagePath("omni_teensy40")).replace_extension(".hex").string();
   const auto hex = ReadIntelHex(Slurp(path), error);
@@ -267,7 +267,7 @@ TEST_F(TeensyLayout, HexIsTheImage) {
 }
 
 // The readers themselves: a damaged file is no image.
-TEST(IntelHex, RefusesWhatIsDamaged) {
+TEST(IntelHex, RejectsDamagedFiles) {
   const std::string good = ":0200000460009A\n:0400000001020304F2\n:00000001FF\n";
   std::string error;
   const auto memory = ReadIntelHex(good, error);
@@ -286,7 +286,7 @@ TEST(IntelHex, RefusesWhatIsDamaged) {
   }
 }
 
-TEST(ElfFile, RefusesWhatIsCutOff) {
+TEST(ElfFile, RejectsTruncatedFiles) {
   if (std::string(OMNI_IMAGE_DIR).empty()) GTEST_SKIP() << "built without firmware images: run scripts/setup --hil";
   std::vector<std::uint8_t> bytes = BytesOf(Slurp(ImagePath("omni_teensy40")));
   std::string error;

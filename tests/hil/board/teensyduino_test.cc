@@ -61,7 +61,7 @@ std::set<std::string> Selected(const std::string& filter) {
   return selected;
 }
 
-TEST(Teensyduino, NamesTheBoard) {
+TEST(Teensyduino, PlatformioIniNamesBoardAndFlags) {
   auto ini = ReadIni(kPort / "platformio.ini");
   EXPECT_EQ(Trimmed(ini["platform"]), "teensy");
   EXPECT_EQ(Trimmed(ini["board"]), "teensy40");
@@ -73,7 +73,7 @@ TEST(Teensyduino, NamesTheBoard) {
   }
 }
 
-TEST(Teensyduino, CompilesWhatTheCheckHasCompiled) {
+TEST(Teensyduino, SourceFilterMatchesTheCompileCheck) {
   if (std::string(OMNI_IMAGE_DIR).empty()) GTEST_SKIP() << "built without firmware images: run scripts/setup --hil";
   std::ifstream list(fs::path(OMNI_IMAGE_DIR) / "teensyduino_check.txt");
   std::set<std::string> checked;

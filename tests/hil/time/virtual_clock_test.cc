@@ -78,7 +78,7 @@ void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
 
 class VirtualWait : public VirtualClockTest, public testing::WithParamInterface<Way> {};
 
-TEST_P(VirtualWait, TakesTenSecondsOfTheClockAndNotOfOurs) {
+TEST_P(VirtualWait, LastsTenVirtualSeconds) {
   const std::int64_t begin_ns = base::MonotonicNow_ns();
   HostProcess probe = Start(GetParam().name);
   ASSERT_TRUE(quiet_.Wait(clock_->Processes(), kPatience_us)) << quiet_.busy();
@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(Every, VirtualWait,
                          [](const auto& way) { return std::string(way.param.name); });
 
 // Its short real waits may end after the instant: it may be late, never early.
-TEST_F(VirtualClockTest, AConditionVariableWaitsForItsTime) {
+TEST_F(VirtualClockTest, ConditionVariableNeverTimesOutEarly) {
   HostProcess probe = Start("condition");
   while (!probe.Ended() && clock_->now_ns() - clock_->zero_ns() < 100'000'000'000) {
     ASSERT_TRUE(Step());
@@ -112,7 +112,7 @@ TEST_F(VirtualClockTest, AConditionVariableWaitsForItsTime) {
   EXPECT_EQ(Outcome().second, 0);
 }
 
-TEST_F(VirtualClockTest, WorkTakesNoTimeAndIsWaitedFor) {
+TEST_F(VirtualClockTest, ComputationTakesNoVirtualTime) {
   HostProcess probe = Start("work");
   EXPECT_FALSE(quiet_.Wait(clock_->Processes(), 20'000)) << "half a second of work was not detected";
   EXPECT_NE(quiet_.busy().find("hil_clock_probe"), std::string::npos) << quiet_.busy();
@@ -120,7 +120,7 @@ TEST_F(VirtualClockTest, WorkTakesNoTimeAndIsWaitedFor) {
   EXPECT_EQ(Outcome().first, 0);
 }
 
-TEST_F(VirtualClockTest, AStoppedProgramHoldsNobodyUpAndSleepsOnWhereItWas) {
+TEST_F(VirtualClockTest, StoppedProgramDoesNotHoldUpTheClock) {
   HostProcess probe = Start("sleep");
   ASSERT_TRUE(quiet_.Wait(clock_->Processes(), kPatience_us));
   probe.Signal(SIGSTOP);
@@ -131,7 +131,7 @@ TEST_F(VirtualClockTest, AStoppedProgramHoldsNobodyUpAndSleepsOnWhereItWas) {
   EXPECT_DOUBLE_EQ(Outcome().first, 12'000) << "it was stopped for two seconds more";
 }
 
-TEST_F(VirtualClockTest, AKilledProgramIsForgotten) {
+TEST_F(VirtualClockTest, KilledProgramIsRemoved) {
   HostProcess probe = Start("sleep");
   EXPECT_EQ(clock_->Processes().size(), 1U);
   probe.Kill();
@@ -139,7 +139,7 @@ TEST_F(VirtualClockTest, AKilledProgramIsForgotten) {
   EXPECT_TRUE(Step());
 }
 
-TEST_F(VirtualClockTest, ProgramsEndWhenTheMasterIsGone) {
+TEST_F(VirtualClockTest, ProgramsExitWhenTheMasterIsGone) {
   HostProcess probe = Start("sleep");
   const pid_t nobody = fork();
   if (nobody == 0) _exit(0);
@@ -155,13 +155,13 @@ TEST_F(VirtualClockTest, ProgramsEndWhenTheMasterIsGone) {
   EXPECT_EQ(probe.Kill(), 70);
 }
 
-TEST_F(VirtualClockTest, AProgramThatIsNotThereDoesNotCome) {
+TEST_F(VirtualClockTest, MissingProgramNeverJoins) {
   auto started = HostProcess::Start({"/nonexistent/program"}, clock_->Environment());
   ASSERT_TRUE(started.ok());
   EXPECT_FALSE(clock_->WaitForProcess(started->pid(), 10'000));
 }
 
-TEST_F(VirtualClockTest, AWrongPageIsRefused) {
+TEST_F(VirtualClockTest, RejectsAnInvalidClockPage) {
   const std::string path = folder_.Write("wrong", std::string(sizeof(ClockPage), 'x'));
   auto started = StartElsewhere("sleep", path);
   ASSERT_TRUE(started.ok());
@@ -180,7 +180,7 @@ class VirtualTime : public VirtualClockTest {
   }
 };
 
-TEST_F(VirtualTime, EveryWaitOfTenSecondsEndsAtItsInstantAndIsOverAtOnce) {
+TEST_F(VirtualTime, TenSecondWaitsEndOnTimeWithoutRealWaiting) {
   const std::int64_t begin_ns = base::MonotonicNow_ns();
   int waits = 0;
   for (const Way& way : {Way{"sleep", 0}, Way{"sleep_until", 0}, Way{"poll", 0}, Way{"poll_data", 1}, Way{"epoll", 0},
@@ -193,7 +193,7 @@ TEST_F(VirtualTime, EveryWaitOfTenSecondsEndsAtItsInstantAndIsOverAtOnce) {
   EXPECT_LT(base::MonotonicNow_ns() - begin_ns, waits * 5'000'000'000) << "half of what they waited for";
 }
 
-TEST_F(VirtualTime, EndsAsItsProgramDoes) {
+TEST_F(VirtualTime, ExitStatusIsThatOfTheProgram) {
   EXPECT_EQ(Run({kProbe, "work", folder_.Path("out")}), 0);
   EXPECT_EQ(Outcome().first, 0) << "work takes no time";
   EXPECT_EQ(Run({kProbe, "no such way"}), 2);
@@ -202,13 +202,13 @@ TEST_F(VirtualTime, EndsAsItsProgramDoes) {
   EXPECT_EQ(Run({}), 127);
 }
 
-TEST_F(VirtualTime, AProgramOfAProgramIsInTheSameTime) {
+TEST_F(VirtualTime, DescendantsShareTheVirtualTime) {
   const std::string out = folder_.Path("out");
   ASSERT_EQ(Run({"sh", "-c", kProbe + " sleep " + out + " & wait"}), 0);
   EXPECT_DOUBLE_EQ(Outcome().first, 10'000);
 }
 
-TEST_F(VirtualClockTest, WithoutAPageTimeIsReal) {
+TEST_F(VirtualClockTest, TimeIsRealWithoutAClockPage) {
   auto started = StartElsewhere("work", "");
   ASSERT_TRUE(started.ok());
   for (int i = 0; i < 200 && !started->Ended(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));

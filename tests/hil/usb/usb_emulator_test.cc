@@ -121,7 +121,7 @@ class UsbEmulatorTest : public testing::Test {
   int read_result_ = 0;
 };
 
-TEST_F(UsbEmulatorTest, IsEnumeratedWithTheFirmwaresDescriptors) {
+TEST_F(UsbEmulatorTest, EnumeratesWithTheFirmwaresDescriptors) {
   Open();
   libusb_device* const device = libusb_get_device(handle_);
   libusb_device_descriptor descriptor;
@@ -155,7 +155,7 @@ TEST_F(UsbEmulatorTest, AnswersVendorRequestsAndStallsOthers) {
             LIBUSB_ERROR_PIPE);
 }
 
-TEST_F(UsbEmulatorTest, CarriesFramesBothWaysAndWaitsForNone) {
+TEST_F(UsbEmulatorTest, CarriesFramesBothWaysAndTimesOutWithoutOne) {
   Open();
   for (int size : {1, 64, 511, 512}) {
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
@@ -222,7 +222,7 @@ class InFlight : public UsbEmulatorTest {
   std::thread events_;
 };
 
-TEST_F(InFlight, AreCompletedInOrder) {
+TEST_F(InFlight, TransfersCompleteInOrder) {
   Submit();
   for (std::uint8_t i = 0; i < 3; ++i) {
     TheEcho().HostFrame(&i, 1);
@@ -235,7 +235,7 @@ TEST_F(InFlight, AreCompletedInOrder) {
   EXPECT_EQ(flight_.statuses.back(), LIBUSB_TRANSFER_CANCELLED);
 }
 
-TEST_F(InFlight, FailWhenTheCableIsPulledAndItCanBePluggedAgain) {
+TEST_F(InFlight, TransfersFailOnUnplugAndReplugWorks) {
   Submit();
   const std::uint64_t aborted = TheBus().counts().aborted;
   TheBus().Unplug();
@@ -255,7 +255,7 @@ TEST_F(InFlight, FailWhenTheCableIsPulledAndItCanBePluggedAgain) {
   EXPECT_EQ(Read(), (std::vector<std::uint8_t>{1, 2, 3}));
 }
 
-TEST_F(UsbEmulatorTest, TellsOfPlugAndUnplug) {
+TEST_F(UsbEmulatorTest, ReportsHotplugEvents) {
   struct Seen {
     int arrived = 0, left = 0;
   } seen;
@@ -282,7 +282,7 @@ TEST_F(UsbEmulatorTest, TellsOfPlugAndUnplug) {
   EXPECT_TRUE(wait([&] { return seen.arrived == 1; }));
 }
 
-TEST_F(UsbEmulatorTest, DamagesFramesWhenTold) {
+TEST_F(UsbEmulatorTest, DamagesFramesAsConfigured) {
   Open();
   TheBus().SetFaults({}, {.corrupt = 1});
   ASSERT_EQ(Write({0, 0, 0, 0}), 4);

@@ -43,7 +43,7 @@ TEST_F(Profiles, MxInkWithoutItsExtensionIsUnsupported) {
 }
 
 // Accepted with the service absent too, so that the pen can come back; but never current.
-TEST_F(Profiles, MxInkIsAcceptedWithoutServiceAndNeverCurrent) {
+TEST_F(Profiles, MxInkIsAcceptedButNotCurrentWithoutService) {
   AppOptions options;
   options.mx_ink_extension = true;
   options.profiles = {kMxInk};
@@ -54,7 +54,7 @@ TEST_F(Profiles, MxInkIsAcceptedWithoutServiceAndNeverCurrent) {
   EXPECT_TRUE(app.WaitProfile(service, kMxInk)) << "the service came later";
 }
 
-TEST_F(Profiles, BestSuggestedProfileIsTaken) {
+TEST_F(Profiles, BestSuggestedProfileBecomesCurrent) {
   FakeService service;
   AppOptions options;
   options.mx_ink_extension = true;
@@ -72,7 +72,7 @@ TEST_F(Profiles, TouchIsPreferredToSimple) {
   EXPECT_TRUE(app.WaitProfile(service, kTouch));
 }
 
-TEST_F(Profiles, SimpleAlone) {
+TEST_F(Profiles, SimpleBecomesCurrentWhenSuggestedAlone) {
   FakeService service;
   AppOptions options;
   options.profiles = {kSimple};
@@ -81,7 +81,7 @@ TEST_F(Profiles, SimpleAlone) {
 }
 
 // A profile whose bindings name only the other hand is skipped for the pen; the next one is used.
-TEST_F(Profiles, ProfileWithoutBindingsForOurHandIsPassedOver) {
+TEST_F(Profiles, ProfileWithoutBindingsForPensHandIsSkipped) {
   FakeService service;
   AppOptions options;
   options.attach = false;
@@ -121,7 +121,7 @@ TEST_F(Profiles, RefusedSuggestionIsNotRecorded) {
 }
 
 // [input-current-interaction-profile] selection changes only in xrSyncActions, with one event.
-TEST_F(Profiles, CurrentOnlyAfterSyncWithOneEvent) {
+TEST_F(Profiles, ProfileChangesOnlyInSyncWithOneEvent) {
   FakeService service;
   App app;
   for (int i = 0; i < 50; ++i) {  // time enough to connect, but no sync
@@ -157,7 +157,7 @@ TEST_F(Profiles, EventWhenThePenComesLater) {
 }
 
 // Before the first focused sync no profile is current.
-TEST_F(Profiles, NotCurrentInAnUnfocusedSync) {
+TEST_F(Profiles, UnfocusedSyncDoesNotSelectProfile) {
   App app;
   omni_test_set_focus(0);
   app.Poll();
@@ -179,7 +179,7 @@ TEST_F(Profiles, NotCurrentInAnUnfocusedSync) {
 }
 
 // The runtime shows the same profile for that hand: nothing changed for the application.
-TEST_F(Profiles, NoEventWhereTheProfileStaysTheSame) {
+TEST_F(Profiles, NoEventWhenProfileStaysTheSame) {
   omni_test_set_device("right", 1, kTouch);
   App app;
   ASSERT_EQ(app.Sync(), XR_SUCCESS);
@@ -195,7 +195,7 @@ TEST_F(Profiles, NoEventWhereTheProfileStaysTheSame) {
 }
 
 // [input-current-interaction-profile] errors are the runtime's, pen or no pen.
-TEST_F(Profiles, CurrentProfileErrors) {
+TEST_F(Profiles, CurrentProfileRejectsInvalidArguments) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -218,7 +218,7 @@ TEST_F(Profiles, UnattachedSessionHasNoProfile) {
 }
 
 // [input-bound-sources] the pen's sources are listed with names; other hands' stay; unbound: none.
-TEST_F(Profiles, BoundSourcesAndNames) {
+TEST_F(Profiles, BoundSourcesIncludeThePenWithLocalizedNames) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));

@@ -42,7 +42,7 @@ std::vector<Bound> StylusBindings(const App& app) {
       {app.stick, "/user/hand/right/input/thumbstick"},        {app.haptic, "/user/hand/right/output/haptic"}};
 }
 
-TEST_F(ProfilesChoice, OwnProfileGoesFirst) {
+TEST_F(ProfilesChoice, OmniStylusProfileIsPreferred) {
   FakeService service;
   AppOptions options = Unattached({kStylusExtension});
   options.mx_ink_extension = true;
@@ -63,12 +63,12 @@ TEST_F(ProfilesChoice, OwnProfileGoesFirst) {
   EXPECT_TRUE(app.PoseActive(app.pose, app.right));
 }
 
-TEST_F(ProfilesChoice, OwnProfileNeedsItsExtension) {
+TEST_F(ProfilesChoice, OmniStylusProfileNeedsItsExtension) {
   const App app(Unattached());
   EXPECT_EQ(app.Suggest(kOmniStylus, StylusBindings(app)), XR_ERROR_PATH_UNSUPPORTED);
 }
 
-TEST_F(ProfilesChoice, OwnProfileIsValidated) {
+TEST_F(ProfilesChoice, OmniStylusSuggestionsAreValidated) {
   const App app(Unattached({kStylusExtension}));
   EXPECT_EQ(app.Suggest(kOmniStylus, {}), XR_ERROR_VALIDATION_FAILURE);
   EXPECT_EQ(app.Suggest(kOmniStylus, {{app.select, "/user/hand/right/input/trigger/value"}}),
@@ -80,7 +80,7 @@ TEST_F(ProfilesChoice, OwnProfileIsValidated) {
 }
 
 // XR_KHR_generic_controller where the runtime lacks it.
-TEST_F(ProfilesChoice, GenericControllerOnAnyRuntime) {
+TEST_F(ProfilesChoice, GenericControllerWorksOnRuntimeWithoutIt) {
   FakeService service;
   App app(Unattached({kGenericExtension}));
   ASSERT_EQ(app.SuggestUsual(kTouch), XR_SUCCESS);
@@ -99,7 +99,7 @@ TEST_F(ProfilesChoice, GenericControllerOnAnyRuntime) {
   EXPECT_TRUE(app.Bool(app.select, app.right).currentState) << "primary";
 }
 
-TEST_F(ProfilesChoice, IndexAfterTouch) {
+TEST_F(ProfilesChoice, IndexIsPreferredToSimpleAndTrackpadIsAtRest) {
   FakeService service;
   App app(Unattached());
   ASSERT_EQ(app.Suggest(kIndex, {{app.select, "/user/hand/right/input/trigger/click"},
@@ -115,7 +115,7 @@ TEST_F(ProfilesChoice, IndexAfterTouch) {
 
 // A path of ours on a profile of the runtime's does not break the call; only paths that the runtime knows are passed
 // down.
-TEST_F(ProfilesChoice, TipPathsOnTheRuntimesProfile) {
+TEST_F(ProfilesChoice, TipPathsWorkOnRuntimeProfile) {
   FakeService service;
   App app(Unattached({kStylusExtension}));
   ASSERT_EQ(app.Suggest(kTouch, {{app.pose, "/user/hand/right/input/tip_omnix1/pose"},
@@ -141,7 +141,7 @@ TEST_F(ProfilesChoice, TipPathsNeedTheExtension) {
 }
 
 // The runtime's errors remain with a path of ours beside them, and the reverse.
-TEST_F(ProfilesChoice, ErrorsBesideTipPaths) {
+TEST_F(ProfilesChoice, TipPathsDoNotHideOtherBindingErrors) {
   const App app(Unattached({kStylusExtension}));
   EXPECT_EQ(app.Suggest(kTouch, {{app.pose, "/user/hand/right/input/tip_omnix1/pose"},
                                  {app.select, "/user/hand/right/input/x/click"}}),
@@ -156,7 +156,7 @@ TEST_F(ProfilesChoice, ErrorsBesideTipPaths) {
 }
 
 // Of two extensions that may be below, the one that the runtime has is requested from it and left to it.
-TEST_F(ProfilesChoice, RuntimeAnswersWhatItHas) {
+TEST_F(ProfilesChoice, ProfilesOfRuntimeExtensionsAreLeftToTheRuntime) {
   for (const char* below : {kGenericExtension, XR_LOGITECH_MX_INK_STYLUS_INTERACTION_EXTENSION_NAME}) {
     setenv("OMNI_TEST_RUNTIME_EXTENSIONS", below, 1);
     AppOptions options = Unattached({kGenericExtension});
@@ -171,7 +171,7 @@ TEST_F(ProfilesChoice, RuntimeAnswersWhatItHas) {
 }
 
 // XR_EXT_dpad_binding: accepted on the sticks of a profile that only the layer knows, without effect for the pen.
-TEST_F(ProfilesChoice, DpadPathsAreAcceptedAndGiveThePenNothing) {
+TEST_F(ProfilesChoice, DpadPathsAreAcceptedButInactiveForThePen) {
   constexpr const char* kDpad = "/user/hand/right/input/thumbstick/dpad_up";
   {
     const App app(Unattached({kGenericExtension}));
@@ -193,7 +193,7 @@ TEST_F(ProfilesChoice, DpadPathsAreAcceptedAndGiveThePenNothing) {
 }
 
 // [semantic-paths-standard-pose-identifiers] poses that extensions add exist on every profile, if enabled.
-TEST_F(ProfilesChoice, PosesOfExtensionsOnAProfileOfOurs) {
+TEST_F(ProfilesChoice, ExtensionPosesAreAcceptedOnLayersProfile) {
   const std::pair<const char*, const char*> rows[] = {
       {"XR_EXT_palm_pose", "/user/hand/right/input/palm_ext/pose"},
       {"XR_EXT_hand_interaction", "/user/hand/right/input/poke_ext"},
@@ -222,7 +222,7 @@ TEST_F(ProfilesChoice, EnvironmentPinsTheProfile) {
   EXPECT_TRUE(app.WaitProfile(service, kSimple));
 }
 
-TEST_F(ProfilesChoice, UnusablePinGivesTheBestOfTheOthers) {
+TEST_F(ProfilesChoice, UnusablePinFallsBackToBestProfile) {
   for (const char* pin : {"valve/index_controller", "no/such_profile"}) {
     setenv("OMNI_PROFILE", pin, 1);
     FakeService service;
@@ -234,7 +234,7 @@ TEST_F(ProfilesChoice, UnusablePinGivesTheBestOfTheOthers) {
 }
 
 // The service's setting applies too, and may change while the session runs: at a sync, with an event.
-TEST_F(ProfilesChoice, ServicePinsTheProfileAtAnyTime) {
+TEST_F(ProfilesChoice, ServiceCanPinProfileDuringSession) {
   FakeService service;
   AppOptions options;
   options.profiles = {kTouch, kSimple};

@@ -93,7 +93,7 @@ std::string Difference(const std::set<std::string>& a, const std::set<std::strin
   return out;
 }
 
-TEST(ProfilesRegistry, EveryProfileHasTheRegistrysPathsAndNoOthers) {
+TEST(ProfilesRegistry, ProfilePathsMatchTheRegistryExactly) {
   const std::vector<layer::Profile> profiles = layer::LoadProfiles();
   ASSERT_EQ(profiles.size(), std::size(kRegistry) + 1) << "one more: our own";
   for (const RegistryRow& row : kRegistry) {
@@ -122,7 +122,7 @@ TEST(ProfilesRegistry, EveryProfileHasTheRegistrysPathsAndNoOthers) {
 }
 
 // [input-bound-sources] names for users: every source has a name, and no two of a hand have the same.
-TEST(ProfilesRegistry, EverySourceHasANameOfItsOwn) {
+TEST(ProfilesRegistry, SourceNamesAreUniquePerHand) {
   for (const layer::Profile& profile : layer::LoadProfiles()) {
     for (const layer::Hand hand : {layer::Hand::kLeft, layer::Hand::kRight}) {
       std::set<std::string> names;
@@ -137,7 +137,7 @@ TEST(ProfilesRegistry, EverySourceHasANameOfItsOwn) {
 }
 
 // A person with nothing but a pen can select, and has a second and a menu button wherever a profile has two more.
-TEST(ProfilesRegistry, EveryProfileIsUsableWithAPen) {
+TEST(ProfilesRegistry, EveryProfileMapsSelectAndMenuToThePen) {
   for (const layer::Profile& profile : layer::LoadProfiles()) {
     for (const layer::Hand hand : {layer::Hand::kLeft, layer::Hand::kRight}) {
       std::set<int> sources;

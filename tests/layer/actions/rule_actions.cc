@@ -45,7 +45,7 @@ TEST_F(RuleActions, PriorityOverrideHoldsForOneSync) {
 }
 
 // Suggestions belong to the instance: valid, and recorded, before any session.
-TEST_F(RuleActions, SuggestedBeforeTheSession) {
+TEST_F(RuleActions, SuggestionsBeforeTheSessionCount) {
   FakeService service;
   const MiniLoader loader({OmniLayer()});
   ChainOptions idle;
@@ -64,7 +64,7 @@ TEST_F(RuleActions, SuggestedBeforeTheSession) {
   EXPECT_TRUE(app.WaitProfile(service, kTouch));
 }
 
-TEST_F(RuleActions, NothingChangesBetweenSyncs) {
+TEST_F(RuleActions, StatesAndProfileDoNotChangeBetweenSyncs) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -86,7 +86,7 @@ TEST_F(RuleActions, NothingChangesBetweenSyncs) {
 }
 
 // The runtime may have reused the handle for another action by now.
-TEST_F(RuleActions, DestroyedActionIsNotAskedForBelow) {
+TEST_F(RuleActions, DestroyedActionIsNotQueriedInRuntime) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -101,7 +101,7 @@ TEST_F(RuleActions, DestroyedActionIsNotAskedForBelow) {
   EXPECT_EQ(asked_in_a_sync(), 0);
 }
 
-TEST_F(RuleActions, SyncErrorsAreTheRuntimes) {
+TEST_F(RuleActions, InvalidSyncFailsAndKeepsStates) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -127,7 +127,7 @@ TEST_F(RuleActions, SyncErrorsAreTheRuntimes) {
 }
 
 // [xrLocateSpace] an inactive space in an invalid base: the runtime's error.
-TEST_F(RuleActions, InactiveSpaceInABadBase) {
+TEST_F(RuleActions, LocatingInactiveSpaceInInvalidBaseFails) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -142,7 +142,7 @@ TEST_F(RuleActions, InactiveSpaceInABadBase) {
 }
 
 // [XrEventDataInteractionProfileChanged]
-TEST_F(RuleEvents, NoneBeforeASync) {
+TEST_F(RuleEvents, NoProfileEventBeforeSync) {
   FakeService service;
   App app;
   ASSERT_TRUE(Eventually([&] {
@@ -160,7 +160,7 @@ TEST_F(RuleEvents, NoneBeforeASync) {
   EXPECT_GE(app.CountEvents(XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED), 1);
 }
 
-TEST_F(RuleEvents, NoneForASessionThatEnded) {
+TEST_F(RuleEvents, NoProfileEventForDestroyedSession) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));

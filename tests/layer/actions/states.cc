@@ -10,7 +10,7 @@ using protocol::InputIndex;
 
 using States = StatesTest;
 
-TEST_F(States, SelectFromTipForceClick) {
+TEST_F(States, PensClickDrivesBooleanTriggerAction) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -58,7 +58,7 @@ TEST_F(States, ReleaseBetweenSyncsIsOneReleasedSync) {
 }
 
 // [XrActionStateBoolean] changedSinceLastSync, and lastChangeTime as the physical time in the runtime's clock.
-TEST_F(States, ChangedAndPhysicalChangeTime) {
+TEST_F(States, ChangeReportsPhysicalTimeOfThePress) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -92,7 +92,7 @@ TEST_F(States, AnalogThresholdHasHysteresis) {
 }
 
 // [input-suggested-bindings] vector from the parent path of x and y.
-TEST_F(States, ThumbstickParentPathIsAVector) {
+TEST_F(States, ThumbstickParentPathYieldsVector) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -129,7 +129,7 @@ TEST_F(States, NullPathMergesPenAndRuntime) {
 }
 
 // The hand is the pen's: a runtime's controller in the same hand is ignored while the pen is present.
-TEST_F(States, RuntimesControllerOfOurHandIsSilentWhileThePenIsThere) {
+TEST_F(States, PenSuppressesRuntimeControllerOfSameHand) {
   omni_test_set_device("right", 1, kTouch);
   App app;
   omni_test_set_float("/user/hand/right/input/trigger/value", 1.0f);
@@ -140,7 +140,7 @@ TEST_F(States, RuntimesControllerOfOurHandIsSilentWhileThePenIsThere) {
   EXPECT_FLOAT_EQ(app.Float(app.force, XR_NULL_PATH).currentState, 0.0f);
 }
 
-TEST_F(States, ActionsWithoutSubactionPathsGetThePen) {
+TEST_F(States, ActionsWithoutSubactionPathsReceivePenInput) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -159,7 +159,7 @@ TEST_F(States, UnsuggestedActionIsInactive) {
 }
 
 // [input-creating-actions] subaction rules hold with the pen as without.
-TEST_F(States, SubactionAndTypeErrors) {
+TEST_F(States, WrongSubactionPathOrTypeIsRejected) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -176,7 +176,7 @@ TEST_F(States, SubactionAndTypeErrors) {
 }
 
 // [input-state-sync] not focused: the success code XR_SESSION_NOT_FOCUSED, everything inactive and zero.
-TEST_F(States, UnfocusedSessionGetsNothing) {
+TEST_F(States, StatesAreInactiveWithoutFocus) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -233,7 +233,7 @@ TEST_F(States, HigherPrioritySetTakesTheSource) {
 }
 
 // A destroyed pen: inactive at the next sync, and back without a restart of the application.
-TEST_F(States, ServiceDiesAndReturns) {
+TEST_F(States, PenReturnsAfterServiceRestart) {
   App app;
   for (int life = 0; life < 2; ++life) {
     FakeService service;
@@ -253,7 +253,7 @@ TEST_F(States, ServiceDiesAndReturns) {
 }
 
 // Presses made before the pen belonged to this session are not reported.
-TEST_F(States, OldPressesAreNotReported) {
+TEST_F(States, PressesBeforeThePenArrivesAreIgnored) {
   FakeService service;
   service.Set(InputIndex::kSelect, 1);
   service.Set(InputIndex::kSelect, 0);

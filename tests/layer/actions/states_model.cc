@@ -301,7 +301,7 @@ std::string Tell(std::uint64_t seed, Seen& seen) {
   return {};
 }
 
-TEST(StatesModel, RandomStoriesAgreeWithTheReferenceModel) {
+TEST(StatesModel, RandomScenariosMatchTheReferenceModel) {
   Seen seen;
   for (std::uint64_t seed = 1; seed <= kSequences; ++seed) {
     const std::string why = Tell(seed, seen);

@@ -344,7 +344,7 @@ std::string StackScenario::Run() {
   return {};
 }
 
-TEST(StatesModelStack, RandomApplicationsOverTheWholeStackAgreeWithTheModel) {
+TEST(StatesModelStack, RandomApplicationsMatchTheReferenceModel) {
   long active = 0, changed = 0;
   for (std::uint64_t seed = 1; seed <= kScenarios; ++seed) {
     omni_test_reset();

@@ -49,7 +49,7 @@ class RestingPen {
   layer::PenRest rest_;
 };
 
-TEST(PenRest, StillPenIsPutDownAndTakenUpAgain) {
+TEST(PenRest, StillPenCountsAsPutDownUntilMoved) {
   RestingPen p;
   EXPECT_FALSE(p.Wait(19.5));
   EXPECT_TRUE(p.Wait(1));
@@ -61,7 +61,7 @@ TEST(PenRest, StillPenIsPutDownAndTakenUpAgain) {
 }
 
 // The tracker's noise is not motion: a lying pen is put down for any seed.
-TEST(PenRest, NoiseIsNoMotion) {
+TEST(PenRest, TrackerNoiseIsNotMotion) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     RestingPen p(seed);
     EXPECT_TRUE(p.Wait(25, 0.0003)) << seed;
@@ -86,7 +86,7 @@ TEST(PenRest, HeldPenIsNeverPutDown) {
   EXPECT_TRUE(p.Wait(10));
 }
 
-TEST(PenRest, TurningIsMotion) {
+TEST(PenRest, RotationCountsAsMotion) {
   RestingPen p;
   for (int i = 0; i < 4; ++i) {
     const double half_rad = 0.05 * (i + 1);
@@ -95,7 +95,7 @@ TEST(PenRest, TurningIsMotion) {
   }
 }
 
-TEST(PenRest, DockedAndUnseen) {
+TEST(PenRest, DockedOrUntrackedPenCountsAsPutDown) {
   RestingPen p;
   p.pen.inputs.components[static_cast<std::size_t>(InputIndex::kDocked)].value = 1;
   EXPECT_TRUE(p.Wait(0.02)) << "docked: at once";
@@ -144,7 +144,7 @@ class Desk {  // a pen and the runtime's controller of the same hand
 };
 
 // States, spaces and the rest follow in one sync, and back.
-TEST_F(StatesPutDown, DockedPenGivesTheHandBack) {
+TEST_F(StatesPutDown, DockedPenYieldsHandToRuntimeController) {
   omni_test_set_device("right", 1, kTouch);
   omni_test_set_float("/user/hand/right/input/trigger/value", 0.75f);
   FakeService service;
@@ -170,7 +170,7 @@ TEST_F(StatesPutDown, DockedPenGivesTheHandBack) {
 }
 
 // If the runtime has no controller for that hand, the pen keeps it.
-TEST_F(StatesPutDown, WithoutAControllerThePenKeepsItsHand) {
+TEST_F(StatesPutDown, DockedPenKeepsHandWithoutRuntimeController) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -182,7 +182,7 @@ TEST_F(StatesPutDown, WithoutAControllerThePenKeepsItsHand) {
 }
 
 // After the time that the service has set; with an event, since the profile changes.
-TEST_F(StatesPutDown, StillPenAfterTheServicesTime) {
+TEST_F(StatesPutDown, StillPenYieldsHandAfterServiceTimeout) {
   omni_test_set_device("right", 1, kSimple);
   FakeService service;
   protocol::AppSettings settings;

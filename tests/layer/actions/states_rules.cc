@@ -48,7 +48,7 @@ TEST_F(StatesRules, EqualPrioritySetsShareTheSource) {
 
 // [XrActionSetCreateInfo] a set that is active for the other hand only takes none of the pen's sources, although its
 // action is bound there.
-TEST_F(StatesRules, ASuppressedSourceComesBackWhenTheHigherSetGoes) {
+TEST_F(StatesRules, SourceReturnsWhenHigherPrioritySetIsInactive) {
   FakeService service;
   App app(Unattached());
   const XrActionSet high = app.MakeSet("high", 7);
@@ -123,7 +123,7 @@ TEST_F(StatesRules, ApplicationsThresholdIsUsed) {
 }
 
 // ... on the tip's force its thresholds override the service's click; its pulses are sent at the edges.
-TEST_F(StatesRules, ThresholdOnTheTipWithPulses) {
+TEST_F(StatesRules, TipThresholdOverridesClickAndSendsPulse) {
   constexpr const char* kPath = "/user/hand/right/input/trigger/value";
   FakeService service;
   App app(Unattached({XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME}));
@@ -147,7 +147,7 @@ TEST_F(StatesRules, ThresholdOnTheTipWithPulses) {
 }
 
 // A profile that only the layer knows: the extension's errors are the layer's.
-TEST_F(StatesRules, ThresholdErrors) {
+TEST_F(StatesRules, InvalidThresholdsAreRejected) {
   constexpr const char* kPath = "/user/hand/right/input/trigger/value";
   const App app(Unattached({"XR_KHR_generic_controller", XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME}));
   for (const char* profile : {kGeneric, kTouch}) {
@@ -161,7 +161,7 @@ TEST_F(StatesRules, ThresholdErrors) {
 }
 
 // [XrActionStateBoolean] the pen takes over a hand whose controller was pressed: that is a change, at that sync.
-TEST_F(StatesRules, TakingOverAHandIsAChangeOfItsStates) {
+TEST_F(StatesRules, PenTakeoverReportsStateChange) {
   omni_test_set_device("right", 1, kTouch);
   App app;
   omni_test_set_float("/user/hand/right/input/trigger/value", 1.0f);
@@ -218,7 +218,7 @@ TEST_F(StatesRules, DestroyedActionStillTakesItsSource) {
 }
 
 // ... destroyed before its set was attached, it does not.
-TEST_F(StatesRules, ActionDestroyedBeforeAttachTakesNothing) {
+TEST_F(StatesRules, ActionDestroyedBeforeAttachTakesNoSource) {
   FakeService service;
   App app(Unattached());
   const XrActionSet high = app.MakeSet("high", 5);
@@ -238,7 +238,7 @@ TEST_F(StatesRules, ActionDestroyedBeforeAttachTakesNothing) {
 }
 
 // [input-state-sync] no active set: a success, and everything is inactive and zero.
-TEST_F(StatesRules, SyncWithoutSets) {
+TEST_F(StatesRules, SyncWithoutSetsMakesStatesInactive) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -254,7 +254,7 @@ TEST_F(StatesRules, SyncWithoutSets) {
 }
 
 // [input-state-sync] errors of xrSyncActions change nothing of the pen's states.
-TEST_F(StatesRules, RefusedSyncChangesNothing) {
+TEST_F(StatesRules, FailedSyncChangesNothing) {
   FakeService service;
   App app;
   const XrActionSet loose = app.MakeSet("loose", 0);
@@ -270,7 +270,7 @@ TEST_F(StatesRules, RefusedSyncChangesNothing) {
 }
 
 // An action without subaction paths that is bound to the pen's hand only: the runtime's controller there is ignored.
-TEST_F(StatesRules, ActionOfThePensHandOnlyDoesNotHearTheController) {
+TEST_F(StatesRules, PensHandActionIgnoresRuntimeController) {
   omni_test_set_device("right", 1, kTouch);
   FakeService service;
   App app;

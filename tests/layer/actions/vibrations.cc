@@ -74,7 +74,7 @@ class Vibrations : public testing::Test {
 };
 
 // [XR_FB_haptic_amplitude_envelope] The service receives each amplitude unchanged.
-TEST_F(Vibrations, EnvelopeReachesTheServiceBitByBit) {
+TEST_F(Vibrations, EnvelopeReachesServiceUnchanged) {
   FakeService service;
   App app(WithShapes());
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -91,7 +91,7 @@ TEST_F(Vibrations, EnvelopeReachesTheServiceBitByBit) {
 }
 
 // [XR_FB_haptic_pcm] samplesConsumed is written before return; append continues, a full buffer takes no more.
-TEST_F(Vibrations, PcmReachesTheServiceAndSaysWhatItTook) {
+TEST_F(Vibrations, PcmReachesServiceAndReportsSamplesConsumed) {
   FakeService service;
   App app(WithShapes());
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -118,7 +118,7 @@ TEST_F(Vibrations, PcmReachesTheServiceAndSaysWhatItTook) {
 }
 
 // [XR_FB_haptic_pcm] Append after another kind of effect, or after a stop, restarts.
-TEST_F(Vibrations, AppendNeedsPcmThatStillPlays) {
+TEST_F(Vibrations, AppendRestartsWhenNoPcmIsPlaying) {
   FakeService service;
   App app(WithShapes());
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -134,7 +134,7 @@ TEST_F(Vibrations, AppendNeedsPcmThatStillPlays) {
   for (const Heard::Shaped& heard : service.heard().waveforms) EXPECT_EQ(heard.waveform.append, 0u);
 }
 
-TEST_F(Vibrations, WhatIsInvalidIsRefusedAndNeverSent) {
+TEST_F(Vibrations, InvalidVibrationsAreRejectedAndNotSent) {
   FakeService service;
   App app(WithShapes());
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -159,7 +159,7 @@ TEST_F(Vibrations, WhatIsInvalidIsRefusedAndNeverSent) {
 
 // The other hand belongs to a runtime without the extension: its device gets a plain vibration of the same length and
 // strength, also where the pen is among the devices.
-TEST_F(Vibrations, ARuntimeWithoutThemVibratesPlainly) {
+TEST_F(Vibrations, RuntimeWithoutExtensionsGetsPlainVibration) {
   FakeService service;
   App app(WithShapes());
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -189,7 +189,7 @@ TEST_F(Vibrations, ARuntimeWithoutThemVibratesPlainly) {
 }
 
 // A runtime that has them plays them itself on its own devices; PCM for both counts the samples that both have taken.
-TEST_F(Vibrations, ARuntimeThatHasThemPlaysThem) {
+TEST_F(Vibrations, RuntimeWithExtensionsPlaysShapedVibration) {
   omni_test_offer_shapes(1);
   FakeService service;
   App app(WithShapes());
@@ -216,7 +216,7 @@ TEST_F(Vibrations, ARuntimeThatHasThemPlaysThem) {
   EXPECT_EQ(Device("left").count, 0u);
 }
 
-TEST_F(Vibrations, SampleRateErrors) {
+TEST_F(Vibrations, SampleRateQueryRejectsInvalidArguments) {
   FakeService service;
   App app(WithShapes());
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -237,7 +237,7 @@ TEST_F(Vibrations, SampleRateErrors) {
 }
 
 // [input-output-actions-haptics] Not focused: discarded, and playing vibrations stop.
-TEST_F(Vibrations, FocusRules) {
+TEST_F(Vibrations, LosingFocusDiscardsAndStopsVibrations) {
   FakeService service;
   App app(WithShapes());
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -262,7 +262,7 @@ TEST_F(Vibrations, FocusRules) {
   EXPECT_EQ(service.heard().waveforms.size(), 1u);
 }
 
-TEST_F(Vibrations, WithoutTheExtensionNothingIsThere) {
+TEST_F(Vibrations, ShapedVibrationsNeedTheExtensions) {
   FakeService service;
   App app;
   ASSERT_TRUE(app.WaitProfile(service, kTouch));
@@ -274,7 +274,7 @@ TEST_F(Vibrations, WithoutTheExtensionNothingIsThere) {
 }
 
 // The service's buffer of four seconds never overflows, and is never left unfilled while there are more samples.
-TEST(PcmBacklog, BooksWhatFits) {
+TEST(PcmBacklog, AcceptsAsMuchAsTheBufferHolds) {
   std::mt19937 random(6);
   layer::PcmBacklog backlog;
   const auto action = reinterpret_cast<XrAction>(std::uintptr_t{1});

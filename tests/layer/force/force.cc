@@ -15,7 +15,7 @@ constexpr XrDuration kFrame_ns = kForceFrame_ns;
 
 class Force : public ForceTest {};
 
-TEST_F(Force, FunctionsAreThereOnlyForWhoEnabledThem) {
+TEST_F(Force, FunctionsNeedTheExtension) {
   App without;
   PFN_xrVoidFunction found = nullptr;
   EXPECT_EQ(xrGetInstanceProcAddr(without.instance, "xrApplyForceOMNIX1", &found), XR_ERROR_FUNCTION_UNSUPPORTED);
@@ -60,7 +60,7 @@ TEST_F(Force, CreateChecksHandPathAndOwner) {
 }
 
 // LOCAL -> base while it is not aligned: x stays, y (up) becomes z, z (towards the user) becomes -y.
-TEST_F(Force, AForceArrivesInTheBaseFrame) {
+TEST_F(Force, ForceIsTransformedToBaseFrame) {
   StartWithHandle();
   ASSERT_EQ(Push({0.1f, 0.2f, 0.3f}, local_, kFrame_ns, 5'000'000), XR_SUCCESS);
   const auto heard = Heard<protocol::ForceApply>(1);
@@ -79,7 +79,7 @@ TEST_F(Force, AForceArrivesInTheBaseFrame) {
   EXPECT_NEAR(second->force_base_N[1], 0.5, 1e-6);
 }
 
-TEST_F(Force, LongerAndLargerIsClampedNeverAnError) {
+TEST_F(Force, OversizedForceAndDurationAreClampedNotRejected) {
   StartWithHandle();
   ASSERT_EQ(Push({3e30f, 0, 4e30f}, local_, 5'000'000'000, 5'000'000'000), XR_SUCCESS);
   const auto heard = Heard<protocol::ForceApply>(1);
@@ -89,7 +89,7 @@ TEST_F(Force, LongerAndLargerIsClampedNeverAnError) {
   EXPECT_NEAR(heard->force_base_N[0] / std::hypot(heard->force_base_N[0], heard->force_base_N[1]), 0.6, 1e-5);
 }
 
-TEST_F(Force, NonsenseIsRefusedAndChangesNothing) {
+TEST_F(Force, InvalidArgumentsAreRejectedAndSendNothing) {
   StartWithHandle();
   EXPECT_EQ(Push({kNaN, 0, 0}, local_), XR_ERROR_VALIDATION_FAILURE);
   EXPECT_EQ(Push({0, std::numeric_limits<float>::infinity(), 0}, local_), XR_ERROR_VALIDATION_FAILURE);
@@ -128,7 +128,7 @@ TEST_F(Force, NonsenseIsRefusedAndChangesNothing) {
   EXPECT_EQ(Count<protocol::ForceApply>() + Count<protocol::ForceConstraints>(), 0U);
 }
 
-TEST_F(Force, ConstraintsArriveInTheBaseFrame) {
+TEST_F(Force, ConstraintsAreTransformedToBaseFrame) {
   StartWithHandle();
   const auto point = Point(local_, {0.1f, -0.35f, -0.40f});
   const XrForceFeedbackConstraintPlaneOMNIX1 plane{
@@ -179,7 +179,7 @@ TEST_F(Force, ConstraintsFollowTheirSpace) {
   }));
 }
 
-TEST_F(Force, ASpaceThatIsNowhereIsAnError) {
+TEST_F(Force, UnlocatableSpaceIsAnError) {
   StartWithHandle();
   const XrSpace nowhere = app_->ActionSpace(app_->pose, app_->left);
   omni_test_set_device("left", 0, nullptr);
@@ -191,7 +191,7 @@ TEST_F(Force, ASpaceThatIsNowhereIsAnError) {
 }
 
 // In the pen's own space: along its axis.
-TEST_F(Force, SpacesOfThePenWork) {
+TEST_F(Force, ForceInPenSpaceActsAlongThePen) {
   service_.SetTrajectory([](protocol::ToolSample& sample) {
     sample.position_base_m = {0, 0, 0.06};
     sample.orientation_base_wxyz = {0, 1, 0, 0};  // half a turn about x: -z of the pen is +z of the base
@@ -203,7 +203,7 @@ TEST_F(Force, SpacesOfThePenWork) {
   EXPECT_NEAR(heard->force_base_N[2], 0.4, 1e-6);
 }
 
-TEST_F(Force, LosingFocusEndsEverything) {
+TEST_F(Force, LosingFocusEndsForcesAndConstraints) {
   StartWithHandle();
   const auto point = Point(local_);
   ASSERT_EQ(Set({&point}), XR_SUCCESS);
@@ -238,13 +238,13 @@ TEST_F(Force, StopEndsForceAndConstraints) {
   EXPECT_EQ(xr_->stop(force_), XR_SUCCESS) << "also if there is nothing to stop";
 }
 
-TEST_F(Force, TheSessionTakesItsHandlesAlong) {
+TEST_F(Force, DestroyingSessionInvalidatesHandles) {
   StartWithHandle();
   ASSERT_EQ(xrDestroySession(app_->session), XR_SUCCESS);
   EXPECT_EQ(xr_->stop(force_), XR_ERROR_HANDLE_INVALID);
 }
 
-TEST_F(Force, StateIsOfTheSampleInTheSpaceAskedFor) {
+TEST_F(Force, StateReportsNewestSampleInRequestedSpace) {
   service_.SetTrajectory([](protocol::ToolSample& sample) {
     sample.position_base_m = {0, 0, 0.06};
     sample.force_base_N = {0.1, 0.2, 0.3};
@@ -266,7 +266,7 @@ TEST_F(Force, StateIsOfTheSampleInTheSpaceAskedFor) {
   EXPECT_EQ(xr_->state(force_, &info, &out), XR_ERROR_TIME_INVALID);
 }
 
-TEST_F(Force, PropertiesGiveTheWorkspaceAndTheReach) {
+TEST_F(Force, PropertiesReportWorkspaceAndReach) {
   StartWithHandle();
   const XrForceFeedbackPropertiesGetInfoOMNIX1 info{XR_TYPE_FORCE_FEEDBACK_PROPERTIES_GET_INFO_OMNIX1, nullptr, local_,
                                                     Now_ns() + kRuntimeOffset_ns};
@@ -287,7 +287,7 @@ TEST_F(Force, PropertiesGiveTheWorkspaceAndTheReach) {
   EXPECT_FLOAT_EQ(reach[1].distance, 0.15f);
 }
 
-TEST_F(Force, EventsTellWhatChanged) {
+TEST_F(Force, StateChangedEventWhenDeviceIsTaken) {
   StartWithHandle();
   ASSERT_TRUE(app_->SyncUntil(service_, [&] {
     app_->Poll();
@@ -310,7 +310,7 @@ TEST_F(Force, NothingIsSentWithoutAHandle) {
 }
 
 // A restarted service receives the claim and the constraints again.
-TEST(ForceReconnect, ClaimAndConstraintsAreToldAgain) {
+TEST(ForceReconnect, ClaimAndConstraintsAreResentAfterReconnect) {
   omni_test_reset();
   auto service = std::make_unique<FakeService>();
   service->SetForce(true, ForceStanding::kYours);

@@ -31,7 +31,7 @@ std::string CamelCase(std::string_view label) {
   return name;
 }
 
-TEST(HapticMaterialHeader, HasAFloatForEachLiveNumberWithItsRange) {
+TEST(HapticMaterialHeader, MembersMatchLiveMaterialFieldsAndRanges) {
   std::ifstream file(OMNI_SOURCE_DIR "/layer/include/openxr/omni_haptic_scene.h");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const std::size_t begin = text.find("typedef struct XrHapticMaterialOMNIX1 {");

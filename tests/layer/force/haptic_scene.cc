@@ -8,7 +8,7 @@
 namespace omni::test {
 namespace test_haptic_scene {
 
-TEST(HapticScene, FunctionsAreThereOnlyWhereBothExtensionsAre) {
+TEST(HapticScene, FunctionsNeedBothExtensions) {
   for (const bool force : {false, true}) {
     for (const bool scene : {false, true}) {
       AppOptions options;
@@ -22,7 +22,7 @@ TEST(HapticScene, FunctionsAreThereOnlyWhereBothExtensionsAre) {
   }
 }
 
-TEST(HapticScene, TheDocumentArrivesAndItsStateComesBack) {
+TEST(HapticScene, SendsDocumentAndReportsServiceState) {
   SceneScenario story;
   ASSERT_EQ(story.Create(), XR_SUCCESS);
   EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
@@ -62,7 +62,7 @@ TEST(HapticScene, TheDocumentArrivesAndItsStateComesBack) {
   EXPECT_EQ(story.Create(), XR_SUCCESS) << "after the first one is destroyed";
 }
 
-TEST(HapticScene, AFailedOneSaysWhyAndCanOnlyBeDestroyed) {
+TEST(HapticScene, FailedSceneReportsWhyAndCanOnlyBeDestroyed) {
   SceneScenario story;
   ASSERT_EQ(story.Create(), XR_SUCCESS);
   ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_loads.empty(); }));
@@ -77,7 +77,7 @@ TEST(HapticScene, AFailedOneSaysWhyAndCanOnlyBeDestroyed) {
 }
 
 // The document's frame at a placement in LOCAL: where the service puts the scene, against the algebra written out.
-TEST(HapticScene, APlacementIsToldInTheBase) {
+TEST(HapticScene, PlacementIsSentInBaseFrame) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   const XrSpace local = story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
@@ -105,7 +105,7 @@ TEST(HapticScene, APlacementIsToldInTheBase) {
 }
 
 // A node at rest is sent as no motion; a move, a turn and a velocity as what they do to the document's points.
-TEST(HapticScene, NodePosesAreToldFromTheirRest) {
+TEST(HapticScene, NodePosesAreSentRelativeToRestPose) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   XrHapticSceneNodeOMNIX1 nodes[2] = {{XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1}, {XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1}};
@@ -167,7 +167,7 @@ TEST(HapticScene, NodePosesAreToldFromTheirRest) {
   EXPECT_EQ(story.service->heard().scene_nodes.size(), 2u) << "what fails changes nothing";
 }
 
-TEST(HapticScene, MaterialsAreReadSetAndKeptInRange) {
+TEST(HapticScene, MaterialsAreReadSetAndClampedToRange) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   XrHapticMaterialOMNIX1 material{XR_TYPE_HAPTIC_MATERIAL_OMNIX1};
@@ -188,7 +188,7 @@ TEST(HapticScene, MaterialsAreReadSetAndKeptInRange) {
   EXPECT_EQ(story.f->set_material(story.scene, 0, &material), XR_ERROR_VALIDATION_FAILURE);
 }
 
-TEST(HapticScene, ContactsComeInTheSpaceThatIsAskedFor) {
+TEST(HapticScene, ContactsAreReportedInRequestedSpace) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   protocol::ContactSnapshot touched;
@@ -231,7 +231,7 @@ TEST(HapticScene, ContactsComeInTheSpaceThatIsAskedFor) {
 }
 
 // The service is replaced: the same scene is loaded in the new one, with all that was set.
-TEST(HapticScene, SurvivesTheService) {
+TEST(HapticScene, SceneIsReloadedInRestartedService) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   XrHapticMaterialOMNIX1 material{XR_TYPE_HAPTIC_MATERIAL_OMNIX1};
@@ -252,7 +252,7 @@ TEST(HapticScene, SurvivesTheService) {
   EXPECT_EQ(heard.scene_enables[0].enabled, 0u);
 }
 
-TEST(HapticScene, WaitsForAServiceThatIsNotThere) {
+TEST(HapticScene, WaitsForServiceAndThenLoads) {
   SceneScenario story(false);
   ASSERT_EQ(story.Create(), XR_SUCCESS);
   EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
@@ -272,7 +272,7 @@ TEST(HapticScene, EndsWithItsSession) {
   EXPECT_TRUE(story.Until([&] { return !story.service->heard().scene_ends.empty(); }));
 }
 
-TEST(HapticScene, WrongArgumentsAreRefused) {
+TEST(HapticScene, InvalidArgumentsAreRejected) {
   SceneScenario story;
   const std::uint8_t byte = 0;
   const XrHapticSceneCreateInfoOMNIX1 good{XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1, nullptr, 0, 1, &byte};

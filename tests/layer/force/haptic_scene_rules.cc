@@ -50,7 +50,7 @@ std::vector<XrHapticSceneNodeOMNIX1> NodesOf(const SceneScenario& story) {
 }
 
 // [Results] LOADING for the first time: it can be placed and enabled, and has no contents yet.
-TEST(HapticSceneRules, ALoadingSceneIsNotReady) {
+TEST(HapticSceneRules, LoadingSceneCanOnlyBePlacedAndEnabled) {
   SceneScenario story;
   ASSERT_EQ(story.Create(), XR_SUCCESS);
   ASSERT_NE(story.Number(), 0u);
@@ -65,7 +65,7 @@ TEST(HapticSceneRules, ALoadingSceneIsNotReady) {
 }
 
 // [Results] "anything but its state, its diagnostics and its end"; [Life of a scene] "is FAILED, and stays so".
-TEST(HapticSceneRules, AFailedSceneStaysFailed) {
+TEST(HapticSceneRules, FailedSceneStaysFailed) {
   SceneScenario story;
   ASSERT_EQ(story.Create(), XR_SUCCESS);
   const std::uint32_t number = story.Number();
@@ -92,7 +92,7 @@ TEST(HapticSceneRules, AFailedSceneStaysFailed) {
 }
 
 // [XrEventDataHapticSceneStateChangedOMNIX1] one for each change of status; none of a scene that was destroyed.
-TEST(HapticSceneRules, EventsTellEachChangeOfALivingScene) {
+TEST(HapticSceneRules, OneEventPerStatusChangeUntilDestroyed) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   story.app->Poll();
@@ -115,7 +115,7 @@ TEST(HapticSceneRules, EventsTellEachChangeOfALivingScene) {
 }
 
 // [Results] a 17th moved node, a 17th changed material; the first sixteen still work.
-TEST(HapticSceneRules, SixteenNodesMoveAndSixteenMaterialsChange) {
+TEST(HapticSceneRules, LimitsMovedNodesAndChangedMaterialsToSixteen) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady(ManyNodes(20, 20)));
   const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(story);
@@ -138,7 +138,7 @@ TEST(HapticSceneRules, SixteenNodesMoveAndSixteenMaterialsChange) {
 }
 
 // [Results] "An unsuccessful call changes nothing": no pose of an update with one bad pose is ever sent.
-TEST(HapticSceneRules, AnUpdateIsTakenAsAWhole) {
+TEST(HapticSceneRules, NodeUpdateIsAllOrNothing) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(story);
@@ -169,7 +169,7 @@ TEST(HapticSceneRules, AnUpdateIsTakenAsAWhole) {
 }
 
 // [Life of a scene] "placement, node poses and materials are as they were last set", ids are those of before.
-TEST(HapticSceneRules, ANewServiceIsToldPlacementAndPoses) {
+TEST(HapticSceneRules, NewServiceReceivesPlacementAndPoses) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(story);
@@ -193,7 +193,7 @@ TEST(HapticSceneRules, ANewServiceIsToldPlacementAndPoses) {
 }
 
 // [Frames] baseSpace is looked up at every xrWaitFrame; where it cannot be located the scene stays.
-TEST(HapticSceneRules, ThePlacementFollowsItsSpace) {
+TEST(HapticSceneRules, PlacementFollowsItsSpace) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   const float head[7] = {0, 1.6f, -0.5f, 0, 0, 0, 1};
@@ -238,7 +238,7 @@ TEST(HapticSceneRules, ThePlacementFollowsItsSpace) {
 }
 
 // [Valid usage] a scale is finite and clamped to its range; `next` is ignored.
-TEST(HapticSceneRules, ScalesAreTakenIntoRange) {
+TEST(HapticSceneRules, ScaleIsClampedToRange) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), 1e9f);
@@ -253,7 +253,7 @@ TEST(HapticSceneRules, ScalesAreTakenIntoRange) {
 }
 
 // [Results] node ids belong to one scene; only changing nodes have a mesh, once a shape has arrived.
-TEST(HapticSceneRules, NodesOfAnotherSceneAndMeshesOfStillNodes) {
+TEST(HapticSceneRules, RejectsNodesOfOtherScenesAndMeshesOfRigidNodes) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   const std::vector<XrHapticSceneNodeOMNIX1> old = NodesOf(story);
@@ -277,7 +277,7 @@ TEST(HapticSceneRules, NodesOfAnotherSceneAndMeshesOfStillNodes) {
 
 // [Life of a scene] rendered while it is enabled and its session focused: what is sent to the service, and what it
 // reports.
-TEST(HapticSceneRules, FeltIsWhatTheServiceSays) {
+TEST(HapticSceneRules, IsFeltFollowsTheService) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   EXPECT_EQ(story.State().isFelt, XR_TRUE);

@@ -13,7 +13,7 @@ namespace omni::test {
 namespace test_haptic_scene_shape {
 
 // In a space at rest it is sent once; in a moving one in every frame, with its velocity.
-TEST(HapticScene, APlacementFollowsItsSpace) {
+TEST(HapticScene, PlacementIsResentOnlyInMovingSpace) {
   SceneScenario story;
   ASSERT_TRUE(story.GetReady());
   const auto frame = [&] {
@@ -106,7 +106,7 @@ class SceneShape : public testing::Test {
   std::vector<std::uint32_t> indices = std::vector<std::uint32_t>(3);
 };
 
-TEST_F(SceneShape, OnlyOfTheSceneThatIsFelt) {
+TEST_F(SceneShape, MeshComesOnlyFromTheActiveScene) {
   EXPECT_EQ(Read(), XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1);
   story.service->SetSurfaces(OneTriangle(8, 1));  // of the scene before
   for (int i = 0; i < 20; ++i) {
@@ -121,7 +121,7 @@ TEST_F(SceneShape, OnlyOfTheSceneThatIsFelt) {
 }
 
 // [Results] "a capacity is neither 0 nor enough; nothing was written but the counts"
-TEST_F(SceneShape, SizesAreLookedAtFirst) {
+TEST_F(SceneShape, InsufficientCapacityWritesOnlyCounts) {
   story.service->SetSurfaces(OneTriangle(9, 1));
   ASSERT_TRUE(story.Until([&] { return Read() == XR_SUCCESS; }));
   const XrHapticNodeMeshGetInfoOMNIX1 info{XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1, nullptr, node};
@@ -145,7 +145,7 @@ TEST_F(SceneShape, SizesAreLookedAtFirst) {
 }
 
 // Until a scene of another scale is ready, the previous one is rendered and read.
-TEST_F(SceneShape, InTheDocumentsMetresAtEveryScale) {
+TEST_F(SceneShape, VerticesAreInDocumentMetresAtEveryScale) {
   story.service->SetSurfaces(OneTriangle(9, 1));
   ASSERT_TRUE(story.Until([&] { return Read() == XR_SUCCESS; }));
   const XrHapticScenePlacementOMNIX1 larger{XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1,

@@ -74,7 +74,7 @@ TEST_F(ForceRules, SpacesOfAnotherSessionAreRefused) {
 }
 
 // [xrSetForceFeedbackConstraintsOMNIX1] "While a space cannot be located, its constraints do not act."
-TEST_F(ForceRules, ConstraintsOfALostSpaceRestUntilItIsFound) {
+TEST_F(ForceRules, ConstraintsOfUnlocatableSpaceAreSuspended) {
   StartWithHandle();
   const XrSpace left = app_->ActionSpace(app_->pose, app_->left);
   ASSERT_EQ(app_->Sync(), XR_SUCCESS);
@@ -89,7 +89,7 @@ TEST_F(ForceRules, ConstraintsOfALostSpaceRestUntilItIsFound) {
 }
 
 // [xrStopForceFeedbackOMNIX1] stopped constraints are not sent again, though their space moves.
-TEST_F(ForceRules, StoppedConstraintsDoNotComeBack) {
+TEST_F(ForceRules, StoppedConstraintsAreNotResent) {
   StartWithHandle();
   const float pose[7] = {0, 1.6f, -0.5f, 0, 0, 0, 1};
   const float velocity[6] = {0.5f, 0, 0, 0, 0, 0};
@@ -113,7 +113,7 @@ TEST_F(ForceRules, StoppedConstraintsDoNotComeBack) {
 
 // [xrGetForceFeedbackStateOMNIX1] "the newest sample that is not newer than getInfo->time", 250 ms of them; flags and
 // isActive are current for a past time too.
-TEST_F(ForceRules, StateOfThePast) {
+TEST_F(ForceRules, StateAtPastTimeReportsSampleOfThatTime) {
   service_.SetTrajectory([](protocol::ToolSample& sample) {
     sample.position_base_m = {0, 0, 0.06};
     sample.force_base_N = {0, 0, 1e-9 * static_cast<double>(sample.t_ns % 1'000'000'000)};
@@ -139,7 +139,7 @@ TEST_F(ForceRules, StateOfThePast) {
 }
 
 // [xrGetForceFeedbackPropertiesOMNIX1] the two-call idiom: too small a capacity writes the count alone.
-TEST_F(ForceRules, PropertiesTimesSizesAndSpaces) {
+TEST_F(ForceRules, PropertiesValidateTimeSizeAndSpace) {
   StartWithHandle();
   const XrTime now = Now_ns() + kRuntimeOffset_ns;
   XrForceFeedbackReachOMNIX1 reach[2] = {{-1, -1}, {-1, -1}};
@@ -172,7 +172,7 @@ TEST_F(ForceRules, PropertiesTimesSizesAndSpaces) {
 }
 
 // Structures of a wrong type and null pointers: VALIDATION_FAILURE from every function.
-TEST_F(ForceRules, StructuresAreChecked) {
+TEST_F(ForceRules, InvalidStructuresAreRejected) {
   StartWithHandle();
   XrForceFeedbackStateGetInfoOMNIX1 ask{XR_TYPE_FORCE_FEEDBACK_STATE_GET_INFO_OMNIX1, nullptr, local_, 1};
   XrForceFeedbackStateOMNIX1 state{XR_TYPE_FORCE_FEEDBACK_STATE_OMNIX1};
@@ -196,7 +196,7 @@ TEST_F(ForceRules, StructuresAreChecked) {
 }
 
 // [xrDestroyForceFeedbackOMNIX1] a destroyed handle is invalid for every function, and its events are not delivered.
-TEST_F(ForceRules, ADestroyedHandleIsUnknown) {
+TEST_F(ForceRules, DestroyedHandleIsInvalidAndHasNoEvents) {
   StartWithHandle();
   ASSERT_TRUE(app_->SyncUntil(service_, [&] { return State().isActive == XR_TRUE; }));
   app_->Poll();
@@ -219,7 +219,7 @@ TEST_F(ForceRules, ADestroyedHandleIsUnknown) {
 }
 
 // [When forces end] the service receives a stop, and the release of the device, when the session ends.
-TEST_F(ForceRules, TheServiceHearsOfEveryEnd) {
+TEST_F(ForceRules, SessionEndStopsForcesAndReleasesDevice) {
   StartWithHandle();
   ASSERT_EQ(Push({1, 0, 0}, local_), XR_SUCCESS);
   ASSERT_EQ(xrDestroySession(app_->session), XR_SUCCESS);
@@ -231,7 +231,7 @@ TEST_F(ForceRules, TheServiceHearsOfEveryEnd) {
 }
 
 // [Valid usage] an invalid space or time is an error also where the base's placement is unknown.
-TEST_F(ForceRules, ArgumentsAreCheckedWithoutAPlaceToo) {
+TEST_F(ForceRules, ArgumentsAreCheckedWithoutKnownPlacement) {
   protocol::BasePose unknown;
   unknown.uncalibrated = protocol::Uncalibrated::kCalibrated;
   service_.SetBasePose(unknown);

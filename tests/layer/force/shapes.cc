@@ -40,7 +40,7 @@ double Distance(const ForceConstraint& c, const glm::dvec3& x) {
   return glm::length(r);
 }
 
-TEST(ForceShapes, AreTheSameInTheBaseFrame) {
+TEST(ForceShapes, TransformToBasePreservesDistanceAndMotion) {
   Dice dice;
   for (int run = 0; run < 2000; ++run) {
     ForceConstraint local;
@@ -72,7 +72,7 @@ TEST(ForceShapes, AreTheSameInTheBaseFrame) {
   }
 }
 
-TEST(ForceShapes, OnlyWhatMovesIsToldAgain) {
+TEST(ForceShapes, OnlyChangedOrMovingConstraintsAreResent) {
   Dice dice;
   protocol::ForceConstraints a;
   a.count = 1;
@@ -116,7 +116,7 @@ TEST(ForceStatus, ActiveNeedsFocusOwnershipAndADevice) {
   EXPECT_FALSE(StatusOf(situation).active);
 }
 
-TEST(ForceStatus, FleetingBitsAreToldGoneAfterHalfASecond) {
+TEST(ForceStatus, FlickeringFlagClearsAfterHalfASecond) {
   ForceStatusWatch watch({.active = true, .flags = 0});
   const ForceStatus calm{.active = true, .flags = 0};
   const ForceStatus saturated{.active = true, .flags = XR_FORCE_FEEDBACK_STATE_SATURATED_BIT_OMNIX1};

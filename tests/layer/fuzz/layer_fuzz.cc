@@ -74,7 +74,7 @@ class LayerFuzz : public testing::Test {
 };
 
 // [loader: API Layer Conventions and Rules] valid or not, every call returns what it returns without the layer.
-TEST_F(LayerFuzz, WithoutThePenEveryResultIsTheRuntimes) {
+TEST_F(LayerFuzz, WithoutPenResultsMatchTheRuntime) {
   const MiniLoader bare({});
   const MiniLoader layered({OmniLayer()});
   const int sequences = Sequences(3000);
@@ -172,7 +172,7 @@ bool AwaitPen(const std::function<std::string()>& sync_and_profile, KeepAlive ke
 }
 
 // Invariants of the specification hold, whatever the application and the pen do.
-TEST_F(LayerFuzz, InvariantsHoldWithThePen) {
+TEST_F(LayerFuzz, RandomCallsWithPenKeepSpecInvariants) {
   const MiniLoader layered({OmniLayer()});
   const int sequences = Sequences(150);
   LivingService service;
@@ -204,7 +204,7 @@ TEST_F(LayerFuzz, InvariantsHoldWithThePen) {
   RecordProperty("calls", static_cast<int>(calls));
 }
 
-TEST_F(LayerFuzz, GarbageInTheStateMemory) {
+TEST_F(LayerFuzz, SurvivesGarbageInSharedStateMemory) {
   const MiniLoader layered({OmniLayer()});
   const int sequences = Sequences(150);
   GarbageService service;

@@ -55,7 +55,7 @@ std::set<std::string> TestsOf(const std::string& program) {
   return tests;
 }
 
-TEST(Rules, EachHasATestThatExists) {
+TEST(Rules, EveryRuleNamesExistingTests) {
   std::map<std::string, std::set<std::string>> programs;
   int rules = 0;
   ForEachRule([&](const nlohmann::json& rule) {
@@ -86,7 +86,7 @@ TEST(Rules, IdsAreUniqueAndEachGroupHasAFault) {
 
 // Every fault of the table is seeded and breaks a rule; no others are seeded. Each row finds its place: seed_faults, at
 // the build.
-TEST(Rules, FaultsAreThoseThatAreSeeded) {
+TEST(Rules, FaultTableMatchesSeedsFile) {
   std::map<std::string, int> places;
   for (const nlohmann::json& row : nlohmann::json::parse(Content(OMNI_SOURCE_DIR "/tests/layer/faults/seeds.json")))
     ++places[row.at("name")];
@@ -102,7 +102,7 @@ TEST(Rules, FaultsAreThoseThatAreSeeded) {
 }
 
 // The sources that are read are those that ship.
-TEST(Faults, TheSourcesOfTheLayerHaveNone) {
+TEST(Faults, LayerSourcesContainNoFaults) {
   for (const auto& entry : fs::recursive_directory_iterator(OMNI_SOURCE_DIR "/layer/src")) {
     if (!entry.is_regular_file()) continue;
     const std::string text = Content(entry.path());
@@ -110,7 +110,7 @@ TEST(Faults, TheSourcesOfTheLayerHaveNone) {
   }
 }
 
-TEST(Rules, PageIsTheCommittedOne) {
+TEST(Rules, GeneratedPageMatchesCommittedPage) {
   const std::string printed = Printed("'" OMNI_BINARY_DIR "/bin/layer_rules_page'");
   ASSERT_FALSE(printed.empty());
   EXPECT_TRUE(printed == Content(OMNI_SOURCE_DIR "/docs/howto/openxr-rules.md"))
@@ -118,7 +118,7 @@ TEST(Rules, PageIsTheCommittedOne) {
 }
 
 // The library that ships has neither the names of the faults nor the code that reads them.
-TEST(Faults, TheShippedLayerHasNone) {
+TEST(Faults, ShippedLibraryContainsNoFaults) {
   const std::string library = Content(OMNI_BINARY_DIR "/lib/libXrApiLayer_omni.so");
   ASSERT_NE(library.find("connected to omnid"), std::string::npos) << "the layer's strings can be found";
   EXPECT_EQ(library.find("OMNI_LAYER_FAULT"), std::string::npos);

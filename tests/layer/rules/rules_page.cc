@@ -1,4 +1,5 @@
-// Generates docs/howto/openxr-rules.md from tests/layer/rules/rules.json; Rules.PageIsTheCommittedOne compares.
+// Generates docs/howto/openxr-rules.md from tests/layer/rules/rules.json; Rules.GeneratedPageMatchesCommittedPage
+// compares.
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>

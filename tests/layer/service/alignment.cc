@@ -86,7 +86,7 @@ void StoreInLocal(const std::string& socket_path) {
   ASSERT_TRUE(stored.ok()) << stored.error();
 }
 
-TEST(AlignmentStack, HoldsThroughRecentringAndRestarts) {
+TEST(AlignmentStack, PlacementHoldsThroughRecentringAndRestarts) {
   omni_test_reset();
   StackService service(OMNI_SOURCE_DIR "/scenes/extrusion.glb", kLying);
   auto viewer = std::make_unique<Viewer>();

@@ -116,7 +116,7 @@ void ExpectZeroSoonAfter(ServiceProcess& service, ForkedForceApp& app, const cha
 }
 
 // The very first query of an application that has just started, while omnid has its device.
-TEST(ForceStack, FirstQueryKnowsTheDevice) {
+TEST(ForceStack, FirstQueryReportsTheDevice) {
   StillService service;
   {
     const App early(WithForceAndNoMore());
@@ -131,7 +131,7 @@ TEST(ForceStack, FirstQueryKnowsTheDevice) {
   EXPECT_EQ(unsupported, 0);
 }
 
-TEST(ForceStack, DeadmanEndsTheForce) {
+TEST(ForceStack, UnrenewedForceEndsAfterItsDuration) {
   StillService service;
   ForkedForceApp app(
       [](ForceApp& a) -> std::int64_t {

@@ -167,7 +167,7 @@ std::string ClayAndLid(double scale = 1) {
        {"lid", 0.010 / scale, 0.300 / scale, 0.305 / scale, {{"stiffness", 300}, {"kinematic", true}}}});
 }
 
-TEST(HapticSceneStack, IsPlacedTouchedFormedMovedAndReadBack) {
+TEST(HapticSceneStack, SceneIsPlacedTouchedDeformedMovedAndReadBack) {
   StackService service("none.glb", kPressThenDeeper);
   SceneApp app;
   ASSERT_TRUE(app.Give(ClayAndLid(), 0.020, app.local));
@@ -227,7 +227,7 @@ TEST(HapticSceneStack, IsPlacedTouchedFormedMovedAndReadBack) {
 
 // A space that trembles, as a tracked one does: the placement is sent again in every frame, and the press goes on. The
 // document is half as large as rendered.
-TEST(HapticSceneStack, IsFormedWhereItsSpaceTrembles) {
+TEST(HapticSceneStack, SceneIsDeformedInTremblingSpace) {
   StackService service("none.glb", kPressThenDeeper);
   ASSERT_EQ(omni_test_reset(), 0);
   SceneApp app;
@@ -263,7 +263,7 @@ int DocumentsHeldBy(pid_t omnid) {
   return held;
 }
 
-TEST(HapticSceneStack, ADeadApplicationsSceneIsGoneAndThereIsRoomForAnother) {
+TEST(HapticSceneStack, KilledApplicationReleasesItsScene) {
   StackService service("none.glb", kPressed);
   ForkedApp<SceneApp> first([](SceneApp& a) -> std::int64_t { return a.LoadAndTouchBlock() ? Now_ns() : 0; },
                             [](SceneApp& a) { a.Until([] { return false; }); });
@@ -284,7 +284,7 @@ TEST(HapticSceneStack, ADeadApplicationsSceneIsGoneAndThereIsRoomForAnother) {
   EXPECT_LE(ms, 50);
 }
 
-TEST(HapticSceneStack, LosingFocusEndsItsForce) {
+TEST(HapticSceneStack, LosingFocusEndsSceneForce) {
   StackService service("none.glb", kPressed);
   ForkedApp<SceneApp> child(
       [](SceneApp& a) -> std::int64_t {
@@ -303,7 +303,7 @@ TEST(HapticSceneStack, LosingFocusEndsItsForce) {
 }
 
 // It is stopped, not dead: the force fades (0.25 s to 0.35 s after the last heartbeat, plus clock error).
-TEST(HapticSceneStack, AStoppedApplicationsForceFades) {
+TEST(HapticSceneStack, ForceFadesWhenApplicationIsStopped) {
   StackService service("none.glb", kPressed);
   ForkedApp<SceneApp> child([](SceneApp& a) -> std::int64_t { return a.LoadAndTouchBlock() ? Now_ns() : 0; },
                             [](SceneApp& a) { a.Until([] { return false; }); });

@@ -31,7 +31,7 @@ struct Frames {
 };
 
 // The fall-back follows a clock that drifts, despite outliers: late returns, frames planned further ahead.
-TEST(FallbackClock, FollowsADriftingClockThroughOutliers) {
+TEST(FallbackClock, TracksDriftingClockDespiteOutliers) {
   for (const double drift : {-200e-6, 0.0, 200e-6}) {
     Frames frames;
     frames.drift = drift;
@@ -49,7 +49,7 @@ TEST(FallbackClock, FollowsADriftingClockThroughOutliers) {
 }
 
 // A clock that jumps (the machine slept) is followed within half a window.
-TEST(FallbackClock, FollowsAJump) {
+TEST(FallbackClock, FollowsClockJumpWithinHalfAWindow) {
   Frames frames;
   layer::FrameClock clock;
   std::int64_t start = 0, offset = 0;
@@ -61,7 +61,7 @@ TEST(FallbackClock, FollowsAJump) {
 }
 
 // CLOCK_MONOTONIC itself: an assumed display delay must not shift the pen.
-TEST(FallbackClock, SameClockIsExact) {
+TEST(FallbackClock, OffsetIsZeroForSameClock) {
   Frames frames;
   frames.offset_ns = 0;
   layer::FrameClock clock;
@@ -71,7 +71,7 @@ TEST(FallbackClock, SameClockIsExact) {
 }
 
 // Whatever times a runtime reports, nothing overflows.
-TEST(FallbackClock, ExtremeTimesAreHarmless) {
+TEST(FallbackClock, ExtremeTimesDoNotOverflow) {
   layer::RuntimeClock clock(XR_NULL_HANDLE, nullptr);
   XrFrameState state{XR_TYPE_FRAME_STATE};
   for (const std::int64_t time : {INT64_MIN, std::int64_t{0}, INT64_MAX}) {
@@ -85,7 +85,7 @@ TEST(FallbackClock, ExtremeTimesAreHarmless) {
 
 // Over the runtime, whose clock is 1000 s from ours: the pen is located although the application did not enable the
 // conversion.
-TEST_F(SpacesTest, TimespecExtensionIsUsedButNotShown) {
+TEST_F(SpacesTest, TimespecExtensionIsUsedButHidden) {
   AppOptions options;
   options.timespec_extension = false;
   App app(options);
@@ -97,7 +97,7 @@ TEST_F(SpacesTest, TimespecExtensionIsUsedButNotShown) {
 }
 
 // A runtime that cannot convert times: its frames give the clock, to within a period.
-TEST_F(SpacesTest, FramesTellTheTimeWhereNothingElseDoes) {
+TEST_F(SpacesTest, FrameTimesReplaceMissingTimespecExtension) {
   ASSERT_EQ(omni_test_offer_timespec(0), 0);
   AppOptions options;
   options.timespec_extension = false;

@@ -87,7 +87,7 @@ TEST_F(SpacesFrame, QuadFollowsThePen) {
   EXPECT_EQ(std::memcmp(&quad, &before, sizeof(quad)), 0) << "the application's own structure";
 }
 
-TEST_F(SpacesFrame, ProjectionMovesEachView) {
+TEST_F(SpacesFrame, ProjectionLayerViewsFollowThePen) {
   XrCompositionLayerDepthInfoKHR depth{XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR};
   std::array<XrCompositionLayerProjectionView, 2> views{
       XrCompositionLayerProjectionView{XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW, &depth, SomePose(0.1f)},
@@ -99,7 +99,7 @@ TEST_F(SpacesFrame, ProjectionMovesEachView) {
   for (std::size_t i = 0; i < 2; ++i) ExpectMoved(frame.layers[0].view_pose[i], views[i].pose, frame.layers[0].space);
 }
 
-TEST_F(SpacesFrame, CylinderEquirectAndCube) {
+TEST_F(SpacesFrame, CylinderEquirectAndCubeLayersFollowThePen) {
   XrCompositionLayerCylinderKHR cylinder{XR_TYPE_COMPOSITION_LAYER_CYLINDER_KHR, nullptr, 0, pen};
   XrCompositionLayerEquirectKHR equirect{XR_TYPE_COMPOSITION_LAYER_EQUIRECT_KHR, nullptr, 0, pen};
   XrCompositionLayerEquirect2KHR equirect2{XR_TYPE_COMPOSITION_LAYER_EQUIRECT2_KHR, nullptr, 0, pen};
@@ -138,7 +138,7 @@ TEST_F(SpacesFrame, UnlocatableLayerIsDropped) {
 }
 
 // Pass-through: if no layer is in a space of the pen, the application's own structures arrive, in any blend mode.
-TEST_F(SpacesFrame, WithoutThePenTheCallGoesDownAsItIs) {
+TEST_F(SpacesFrame, LayersOutsidePenSpacesPassThroughUnchanged) {
   XrCompositionLayerQuad quad{XR_TYPE_COMPOSITION_LAYER_QUAD, nullptr, 0, local};
   quad.pose = SomePose(0.2f);
   for (const auto mode : {XR_ENVIRONMENT_BLEND_MODE_OPAQUE, XR_ENVIRONMENT_BLEND_MODE_ALPHA_BLEND}) {
@@ -152,7 +152,7 @@ TEST_F(SpacesFrame, WithoutThePenTheCallGoesDownAsItIs) {
 }
 
 // A layer type that we do not know is passed unchanged, for the runtime to check.
-TEST_F(SpacesFrame, UnknownLayerIsLeftAlone) {
+TEST_F(SpacesFrame, UnknownLayerTypePassesThroughUnchanged) {
   XrCompositionLayerPassthroughFB unknown{XR_TYPE_COMPOSITION_LAYER_PASSTHROUGH_FB, nullptr, 0, pen, XR_NULL_HANDLE};
   XrCompositionLayerQuad quad{XR_TYPE_COMPOSITION_LAYER_QUAD, nullptr, 0, pen};
   quad.pose = SomePose(0);
@@ -163,7 +163,7 @@ TEST_F(SpacesFrame, UnknownLayerIsLeftAlone) {
 }
 
 // Errors are the runtime's, also in a layer of ours.
-TEST_F(SpacesFrame, ErrorsAreTheRuntimes) {
+TEST_F(SpacesFrame, InvalidLayersReturnTheRuntimesErrors) {
   XrCompositionLayerQuad quad{XR_TYPE_COMPOSITION_LAYER_QUAD, nullptr, 0, pen};
   EXPECT_EQ(Show({Header(&quad)}), XR_ERROR_POSE_INVALID) << "no orientation";
   quad.pose = SomePose(0);

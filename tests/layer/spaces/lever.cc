@@ -97,7 +97,7 @@ TEST_P(SpacesLever, VelocityIsTheDerivativeOfThePose) {
 INSTANTIATE_TEST_SUITE_P(Seeds, SpacesLever, testing::Range(1, 7));
 
 // A runtime that knows no velocities: what is at rest in the anchor has a zero one all the same; the head's is unknown.
-TEST_F(SpacesTest, UnknownVelocitiesBelowAreNotMadeUp) {
+TEST_F(SpacesTest, VelocityInViewIsInvalidIfRuntimeReportsNone) {
   App app;
   Start(app);
   const XrSpace view = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW);

@@ -58,7 +58,7 @@ class SpacesMany : public SpacesTest {
 };
 
 // [Locate spaces] "each space ... follow the same specifics as the corresponding inputs to the xrLocateSpace function"
-TEST_F(SpacesMany, SameAsOneByOneInEveryBase) {
+TEST_F(SpacesMany, LocateSpacesMatchesLocateSpaceInEveryBase) {
   const std::vector<XrSpace> spaces{pen, view, left, offset, stage, local};
   for (const XrSpace base : {local, view, stage, left, pen, offset}) {
     const XrTime time = ToXrTime(now - 10'000'000);
@@ -76,7 +76,7 @@ TEST_F(SpacesMany, SameAsOneByOneInEveryBase) {
   }
 }
 
-TEST_F(SpacesMany, OneCallDown) {
+TEST_F(SpacesMany, LocateSpacesMakesOneRuntimeCall) {
   const long many = omni_test_call_count("xrLocateSpacesKHR");
   const long one = omni_test_call_count("xrLocateSpace");
   ASSERT_EQ(Ask({pen, view, offset, left}, pen, ToXrTime(now)).result, XR_SUCCESS);
@@ -91,7 +91,7 @@ TEST_F(SpacesMany, WorksWithoutVelocities) {
 }
 
 // [Locate spaces] counts must agree, there must be at least one space, time > 0: with the pen in the list as without.
-TEST_F(SpacesMany, CountsTimesAndHandlesAreChecked) {
+TEST_F(SpacesMany, InvalidCountsTimesAndHandlesAreRejected) {
   EXPECT_EQ(Ask({}, pen, ToXrTime(now)).result, XR_ERROR_VALIDATION_FAILURE);
   EXPECT_EQ(Ask({pen}, local, 0).result, XR_ERROR_TIME_INVALID);
   EXPECT_EQ(Ask({local}, pen, -1).result, XR_ERROR_TIME_INVALID);
@@ -125,7 +125,7 @@ TEST_F(SpacesMany, InactiveSpaceIsUnlocatable) {
   EXPECT_EQ(Ask({view}, pen, ToXrTime(now)).location[0].locationFlags, 0u);
 }
 
-TEST_F(SpacesMany, WithoutThePenTheCallGoesDownAsItIs) {
+TEST_F(SpacesMany, RuntimeSpacesMatchLocateSpaceWithoutPen) {
   const Answer answer = Ask({view, stage}, local, ToXrTime(now));
   ASSERT_EQ(answer.result, XR_SUCCESS);
   const Seen one = Locate(view, local, now);

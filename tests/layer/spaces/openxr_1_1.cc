@@ -189,7 +189,7 @@ TEST_F(Spaces11, LocateSpacesFindsThePenInLocalFloor) {
 }
 
 // The extension's name is for those who enabled it.
-TEST_F(Spaces11, ExtensionNameNeedsTheExtension) {
+TEST_F(Spaces11, ExtensionFunctionNamesNeedTheExtension) {
   PFN_xrVoidFunction found = nullptr;
   EXPECT_EQ(get_(instance_, "xrLocateSpacesKHR", &found), XR_ERROR_FUNCTION_UNSUPPORTED);
   EXPECT_EQ(get_(instance_, "xrLocateHandJointsEXT", &found), XR_ERROR_FUNCTION_UNSUPPORTED);

@@ -57,7 +57,7 @@ Motion PredictOn(const PenPath& path, std::int64_t t_ns, std::int64_t ahead_ns,
                         method);
 }
 
-TEST(Predict, MovingHandIsFollowed) {
+TEST(Predict, MovingHandIsExtrapolated) {
   const glm::dvec3 v(0.2, -0.1, 0.15);
   const Motion at = PredictOn(Straight(v), kNow_ns, 20 * kTick_ns);
   EXPECT_LT(glm::length(at.X.p - 0.02 * v), 0.01 * 0.02 * glm::length(v));
@@ -65,7 +65,7 @@ TEST(Predict, MovingHandIsFollowed) {
 }
 
 // The tremor of a resting hand: within its own size of where it is, at every phase, where constant velocity is not.
-TEST(Predict, RestingHandIsNotShaken) {
+TEST(Predict, TremorIsNotAmplified) {
   double worst_m = 0, constant_m = 0;
   for (std::int64_t t = 0; t < 125 * kTick_ns; t += 3 * kTick_ns) {
     const Motion hold = PredictOn(Tremor, kNow_ns + t, 40 * kTick_ns, Prediction::kHold);
@@ -114,7 +114,7 @@ TEST(Predict, BetterThanHoldingAndThanConstantVelocity) {
 }
 
 // Never further than constant velocity leads, and in its direction; the velocity is that of the pose.
-TEST(Predict, StaysWithinTheVelocity) {
+TEST(Predict, NeverExceedsConstantVelocityPrediction) {
   for (std::uint32_t seed = 1; seed <= 200; ++seed) {
     const PenPath path = RandomPath(seed);
     const Motion now = PredictOn(path, kNow_ns, 0);
@@ -132,7 +132,7 @@ TEST(Predict, StaysWithinTheVelocity) {
 }
 
 // Without a usable earlier sample the newest velocity replaces the mean.
-TEST(Predict, WithoutATrendTheVelocityIsItsOwnWitness) {
+TEST(Predict, WithoutTrendNewestVelocityIsUsed) {
   const PenPath path = Straight({0.1, 0, 0});
   const ToolSample newest = SampleAt(path, kNow_ns);
   ToolSample invalid = SampleAt(path, kNow_ns - 100 * kTick_ns, 0);
@@ -168,7 +168,7 @@ class History : public testing::Test {
 };
 
 // [fundamentals-prediction-time-limits] at least 50 ms of history; ours is 250 ms and more.
-TEST_F(History, TwoHundredFiftyMillisecondsAreExact) {
+TEST_F(History, PosesAreExactForAtLeast250Milliseconds) {
   const PenPath path = RandomPath(11);
   Fill(path, 600);
   for (std::int64_t ago = 0; ago <= 400 * kTick_ns; ago += 7'300'000) {
@@ -181,7 +181,7 @@ TEST_F(History, TwoHundredFiftyMillisecondsAreExact) {
 }
 
 // Before the history: the oldest pose, not TRACKED.
-TEST_F(History, BeforeTheHistoryIsValidButNotTracked) {
+TEST_F(History, PoseBeforeHistoryIsValidButNotTracked) {
   Fill(RandomPath(12), 600);
   const layer::ToolMotion oldest = At(510 * kTick_ns);
   const layer::ToolMotion before = At(5'000 * kTick_ns);
@@ -193,7 +193,7 @@ TEST_F(History, BeforeTheHistoryIsValidButNotTracked) {
 }
 
 // [xrLocateSpace] never seen: no VALID at all. Lost: the last pose stays VALID, TRACKED goes.
-TEST_F(History, LostAndNeverSeen) {
+TEST_F(History, NeverSeenPoseIsInvalidAndLostPoseIsNotTracked) {
   EXPECT_FALSE(At(0).valid) << "nothing published yet";
   Fill(Lissajous, 10, 0, 20);
   EXPECT_FALSE(At(0).valid);
@@ -206,7 +206,7 @@ TEST_F(History, LostAndNeverSeen) {
 }
 
 // A measured pose stays TRACKED at its time, also after the pen was lost.
-TEST_F(History, PastBeforeTheLossIsTracked) {
+TEST_F(History, PoseBeforeTrackingLossStaysTracked) {
   for (int i = 200; i > 20; --i) Add(SampleAt(Lissajous, kNow_ns - i * kTick_ns));
   for (int i = 20; i >= 0; --i) Add(SampleAt(Lissajous, kNow_ns - i * kTick_ns, protocol::kToolPoseValid));
   EXPECT_TRUE(At(100 * kTick_ns).tracked);
@@ -215,7 +215,7 @@ TEST_F(History, PastBeforeTheLossIsTracked) {
 }
 
 // An uncertain position: VALID, not TRACKED.
-TEST_F(History, TrackedNeedsASurePosition) {
+TEST_F(History, UncertainPositionIsNotTracked) {
   const auto tracked = [&](double sigma_m) {
     ToolSample sample = SampleAt(Lissajous, kNow_ns);
     sample.position_sigma_m = sigma_m;
@@ -229,7 +229,7 @@ TEST_F(History, TrackedNeedsASurePosition) {
 }
 
 // A hole in the history: between its edges nothing was measured.
-TEST_F(History, GapIsNotTracked) {
+TEST_F(History, PoseInHistoryGapIsNotTracked) {
   for (int i = 300; i >= 220; --i) Add(SampleAt(Lissajous, kNow_ns - i * kTick_ns));
   for (int i = 20; i >= 0; --i) Add(SampleAt(Lissajous, kNow_ns - i * kTick_ns));
   EXPECT_TRUE(At(230 * kTick_ns).tracked);
@@ -239,7 +239,7 @@ TEST_F(History, GapIsNotTracked) {
 }
 
 // [CTS ActionSpaces] a device that is gone is not locatable, at once and for any time.
-TEST_F(History, GoneAfterTheTimeout) {
+TEST_F(History, PoseIsInvalidAfterPresenceTimeout) {
   Fill(Lissajous, 50);
   const auto at = [&](std::int64_t later_ns) {
     return layer::ToolMotionAt(*reader, kNow_ns + later_ns, kNow_ns + later_ns).valid;
@@ -248,7 +248,7 @@ TEST_F(History, GoneAfterTheTimeout) {
   EXPECT_FALSE(at(layer::kPresenceTimeout_ns + 1));
 }
 
-TEST_F(History, FutureIsHeldAfterTheHorizon) {
+TEST_F(History, PredictionIsHeldBeyondTheHorizon) {
   Fill(Straight({0.3, 0, 0}), 200);
   const double held_m = At(-layer::kMaxPrediction_ns).X_BT.X.p.x;
   EXPECT_NEAR(held_m, 0.012, 1e-4);

@@ -51,7 +51,7 @@ TEST_F(SpacesRecentre, PenStaysInTheWorldWhenLocalMoves) {
   EXPECT_GT(glm::length(Locate(pen, local, Now_ns()).p() - in_local), 0.1) << "LOCAL is the one that moved";
 }
 
-TEST_F(SpacesRecentre, SecondChangeFollowsTheFirst) {
+TEST_F(SpacesRecentre, RepeatedRecentringKeepsPenInPlace) {
   App app;
   Begin(app);
   const Seen before = InStage(Now_ns());
@@ -63,7 +63,7 @@ TEST_F(SpacesRecentre, SecondChangeFollowsTheFirst) {
 }
 
 // A change holds from changeTime on: until then, and for queries of earlier times, the origin is where it was.
-TEST_F(SpacesRecentre, BothOriginsAreKeptUntilTheChange) {
+TEST_F(SpacesRecentre, PendingChangeAppliesFromChangeTime) {
   App app;
   Begin(app);
   const std::int64_t asked = Now_ns();
@@ -76,7 +76,7 @@ TEST_F(SpacesRecentre, BothOriginsAreKeptUntilTheChange) {
   }
 }
 
-TEST_F(SpacesRecentre, ChangeOfAnotherSpaceIsNone) {
+TEST_F(SpacesRecentre, ChangeOfAnotherSpaceIsIgnored) {
   App app;
   Begin(app);
   service.Fill();
@@ -123,7 +123,7 @@ Pose RandomPose(std::mt19937& random) {
 }
 
 // X_LL' X_L'O = X_LO through any number of changes.
-TEST(BasePoseHistoryTest, BaseStaysInTheWorld) {
+TEST(BasePoseHistoryTest, BaseStaysInPlaceThroughRandomChanges) {
   std::mt19937 random(5);
   BasePoseHistory history;
   const Pose X_LO = RandomPose(random);
@@ -143,7 +143,7 @@ TEST(BasePoseHistoryTest, BaseStaysInTheWorld) {
 }
 
 // A placement measured now applies to the present origin; a pending change still comes.
-TEST(BasePoseHistoryTest, NewPlacementKeepsWhatIsPending) {
+TEST(BasePoseHistoryTest, NewPlacementKeepsPendingChanges) {
   std::mt19937 random(6);
   BasePoseHistory history;
   const Pose pending = RandomPose(random);
@@ -157,7 +157,7 @@ TEST(BasePoseHistoryTest, NewPlacementKeepsWhatIsPending) {
   EXPECT_LT(glm::length(history.At(std::numeric_limits<XrTime>::min()).X_LO.p - X_LO.p), 1e-12);
 }
 
-TEST(BasePoseHistoryTest, UnknownMoveIsCuredByANewPlacement) {
+TEST(BasePoseHistoryTest, NewPlacementRestoresTrackingAfterUnknownMove) {
   BasePoseHistory history;
   EXPECT_TRUE(history.At(5).tracked);
   EXPECT_FALSE(history.OnChange(Change(XR_REFERENCE_SPACE_TYPE_LOCAL, 10, {}, false)));

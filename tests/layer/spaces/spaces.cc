@@ -14,7 +14,7 @@ using layer::Motion;
 using Spaces = SpacesTest;
 
 // [xrLocateSpace] the past: best historical data.
-TEST_F(Spaces, PastIsInterpolatedWithin100um) {
+TEST_F(Spaces, PastPosesAreInterpolatedWithin2um) {
   App app;
   Start(app);
   service.Fill();
@@ -52,7 +52,7 @@ TEST_F(Spaces, FutureIsPredictedThenHeld) {
 }
 
 // [xrLocateSpace] linearVelocity is that of the space's origin: offset times angular velocity added.
-TEST_F(Spaces, VelocityOfAnOffsetSpaceHasItsLeverArm) {
+TEST_F(Spaces, VelocityOfOffsetSpaceIncludesLeverArm) {
   App app;
   Start(app);
   const glm::dvec3 offset(0.1, -0.2, 0.3);
@@ -68,7 +68,7 @@ TEST_F(Spaces, VelocityOfAnOffsetSpaceHasItsLeverArm) {
 }
 
 // [xrLocateSpace] velocity is finite-difference consistent in a base that moves itself (the head).
-TEST_F(Spaces, VelocityInAMovingBase) {
+TEST_F(Spaces, VelocityIsRelativeToMovingBase) {
   App app;
   Start(app);
   const float head[7] = {0.1f, 1.6f, 0.2f, 0, 0, 0, 1};
@@ -89,7 +89,7 @@ TEST_F(Spaces, VelocityInAMovingBase) {
 }
 
 // A space of the runtime in a base that is the pen: the inverse, with velocity.
-TEST_F(Spaces, PenAsBase) {
+TEST_F(Spaces, LocatingInPenSpaceIsTheInverse) {
   App app;
   Start(app);
   service.Fill();
@@ -105,7 +105,7 @@ TEST_F(Spaces, PenAsBase) {
 }
 
 // [xrLocateSpace] two spaces of one entity: a rigid offset, valid and tracked even while it is not seen.
-TEST_F(Spaces, PenInPenIsRigid) {
+TEST_F(Spaces, TwoPenSpacesAreRigidlyJoined) {
   App app;
   Start(app);
   const XrSpace offset = app.ActionSpace(app.pose, app.right, {{0, 0, 0, 1}, {0, 0, -0.1f}});
@@ -119,7 +119,7 @@ TEST_F(Spaces, PenInPenIsRigid) {
 }
 
 // [xrLocateSpace] errors are the runtime's.
-TEST_F(Spaces, ErrorsInTimeHandlesAndStructures) {
+TEST_F(Spaces, InvalidTimesHandlesAndStructuresAreRejected) {
   App app;
   Start(app);
   service.Fill();
@@ -137,7 +137,7 @@ TEST_F(Spaces, ErrorsInTimeHandlesAndStructures) {
 }
 
 // [xrLocateSpace] both spaces must be of one session.
-TEST_F(Spaces, SpacesOfTwoSessionsDoNotMix) {
+TEST_F(Spaces, SpacesOfDifferentSessionsAreRejected) {
   App app;
   Start(app);
   const XrSession first = app.session;
@@ -254,7 +254,7 @@ TEST_F(Spaces, GripLiesBehindTheTip) {
 }
 
 // The application's threads locate while one syncs and polls: no data race (run under ThreadSanitizer).
-TEST_F(Spaces, ManyThreadsLocate) {
+TEST_F(Spaces, ConcurrentLocatesSucceed) {
   App app;
   Start(app);
   std::atomic<bool> stop{false};

@@ -17,7 +17,7 @@ namespace test_spaces_quiet {
 
 using SpacesSystemCalls = SpacesTest;
 
-TEST_F(SpacesSystemCalls, OneCallDown) {
+TEST_F(SpacesSystemCalls, LocateSpaceMakesOneRuntimeCall) {
   App app;
   Start(app);
   const XrSpace view = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW);
@@ -57,7 +57,7 @@ int WithoutSystemCalls(Body body) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-TEST_F(SpacesSystemCalls, NoSystemCall) {
+TEST_F(SpacesSystemCalls, LocateSpaceMakesNoSystemCall) {
   if (kSanitized) GTEST_SKIP() << "a sanitizer makes system calls of its own";
   App app;
   Start(app);

@@ -56,7 +56,7 @@ struct VelocityErrors {
   }
 };
 
-TEST_F(SpacesVelocity, PastTimesAreAsSureAsNow) {
+TEST_F(SpacesVelocity, PastVelocitiesAreAsAccurateAsCurrentOnes) {
   App app;
   Start(app);
   service.SetTrajectory(Noisy(Lissajous));

@@ -41,7 +41,7 @@ class SpacesViews : public SpacesTest {
 };
 
 // [xrLocateViews] in the pen's space: the eyes, as LOCAL knows them, seen from the pen.
-TEST_F(SpacesViews, EyesInThePen) {
+TEST_F(SpacesViews, ViewsAreLocatedInPenSpace) {
   const Eyes in_local = LocateEyes(local, ToXrTime(now));
   const Eyes in_pen = LocateEyes(pen, ToXrTime(now));
   ASSERT_EQ(in_pen.result, XR_SUCCESS);
@@ -57,7 +57,7 @@ TEST_F(SpacesViews, EyesInThePen) {
   }
 }
 
-TEST_F(SpacesViews, OneCallDownAndNoOther) {
+TEST_F(SpacesViews, LocateViewsMakesOneRuntimeCall) {
   const long views = omni_test_call_count("xrLocateViews");
   const long spaces = omni_test_call_count("xrLocateSpace");
   ASSERT_EQ(LocateEyes(pen, ToXrTime(now)).result, XR_SUCCESS);
@@ -66,7 +66,7 @@ TEST_F(SpacesViews, OneCallDownAndNoOther) {
 }
 
 // The errors and the sizes are the runtime's.
-TEST_F(SpacesViews, SizesAndErrors) {
+TEST_F(SpacesViews, LocateViewsRejectsInvalidSizesAndArguments) {
   Eyes eyes;
   XrViewLocateInfo info{XR_TYPE_VIEW_LOCATE_INFO, nullptr, XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO, ToXrTime(now),
                         pen};
@@ -83,7 +83,7 @@ TEST_F(SpacesViews, SizesAndErrors) {
 }
 
 // Bits follow the pen's: lost, gone, not active.
-TEST_F(SpacesViews, BitsFollowThePen) {
+TEST_F(SpacesViews, ViewFlagsFollowPenTracking) {
   service.SetFlags(protocol::kToolPoseValid);
   service.Fill();
   EXPECT_EQ(LocateEyes(pen, ToXrTime(Now_ns())).state.viewStateFlags, layer::kValid);
@@ -138,7 +138,7 @@ class SpacesHands : public SpacesViews {
 };
 
 // [XR_EXT_hand_tracking] joints in the pen, with velocities that agree with central differences of the poses.
-TEST_F(SpacesHands, JointsInThePen) {
+TEST_F(SpacesHands, HandJointsAreLocatedInPenSpace) {
   const Joints at = LocateHand(pen, ToXrTime(now));
   const Joints in_local = LocateHand(local, ToXrTime(now));
   ASSERT_EQ(at.result, XR_SUCCESS);
@@ -161,7 +161,7 @@ TEST_F(SpacesHands, JointsInThePen) {
 
 // [XR_FB_hand_tracking_aim, _capsules] poses in the same answer. This runtime fills none: the test fills them as if it
 // had, in the anchor (LOCAL).
-TEST_F(SpacesHands, AimAndCapsulesMoveWithTheJoints) {
+TEST_F(SpacesHands, AimAndCapsulesAreTransformedWithTheJoints) {
   const auto ask = [&](XrHandTrackingAimStateFB& aim, XrHandTrackingCapsulesStateFB& capsules) {
     std::array<XrHandJointLocationEXT, XR_HAND_JOINT_COUNT_EXT> joints{};
     aim.next = &capsules;
@@ -188,7 +188,7 @@ TEST_F(SpacesHands, AimAndCapsulesMoveWithTheJoints) {
   EXPECT_EQ(aim.status, XrHandTrackingAimFlagsFB{XR_HAND_TRACKING_AIM_COMPUTED_BIT_FB}) << "the base cannot be located";
 }
 
-TEST_F(SpacesHands, ErrorsAndUnlocatableBase) {
+TEST_F(SpacesHands, InvalidArgumentsFailAndUnlocatableBaseClearsFlags) {
   EXPECT_EQ(LocateHand(pen, 0).result, XR_ERROR_TIME_INVALID);
   EXPECT_EQ(LocateHand(pen, ToXrTime(now), 3).result, XR_ERROR_VALIDATION_FAILURE);
   EXPECT_EQ(LocateHand(XR_NULL_HANDLE, ToXrTime(now)).result, XR_ERROR_HANDLE_INVALID);

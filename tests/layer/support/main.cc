@@ -8,7 +8,7 @@
 #include <string>
 
 // Debian's loader 1.0.20 leaks its LoaderInstance (88 bytes and what hangs on it) with every xrCreateInstance, layer or
-// no layer. Leaks of the layer itself show in Lifecycle.FiftyInstances.
+// no layer. Leaks of the layer itself show in Lifecycle.FiftyInstancesLeakNoHandlesOrFiles.
 extern "C" const char* __lsan_default_suppressions();  // NOLINT(bugprone-reserved-identifier)
 extern "C" const char* __lsan_default_suppressions() { return "leak:libopenxr_loader\n"; }
 

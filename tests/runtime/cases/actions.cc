@@ -37,7 +37,7 @@ class ActionTest : public RuntimeTest {
   XrActionSet last_set_ = XR_NULL_HANDLE;
 };
 
-TEST_F(ActionTest, SetNamesAreChecked) {
+TEST_F(ActionTest, InvalidSetNamesAreRejected) {
   EXPECT_EQ(TrySet("", "Text"), XR_ERROR_NAME_INVALID);
   EXPECT_EQ(TrySet("text", ""), XR_ERROR_LOCALIZED_NAME_INVALID);
   EXPECT_EQ(TrySet("Text", "Text"), XR_ERROR_PATH_FORMAT_INVALID);
@@ -49,7 +49,7 @@ TEST_F(ActionTest, SetNamesAreChecked) {
   EXPECT_EQ(TrySet("other", "Other"), XR_SUCCESS) << "the names are free again";
 }
 
-TEST_F(ActionTest, ActionNamesAndSubactionPathsAreChecked) {
+TEST_F(ActionTest, InvalidActionNamesAndSubactionPathsAreRejected) {
   XrAction action = XR_NULL_HANDLE;
   const XrPath left = Path("/user/hand/left");
   EXPECT_EQ(TryAction(set_, "", kBoolean, {}, &action), XR_ERROR_NAME_INVALID);
@@ -83,7 +83,7 @@ TEST_F(ActionTest, SuggestionsAreValidated) {
   EXPECT_EQ(Suggest(kTouchPath, {{click, "/user/hand/left/input/thumbstick"}}), XR_SUCCESS) << "parent paths are legal";
 }
 
-TEST_F(ActionTest, NothingIsTakenFromARefusedSuggestion) {
+TEST_F(ActionTest, FailedSuggestionChangesNothing) {
   const XrAction click = AddAction("click", kBoolean);
   ASSERT_EQ(Suggest(kTouchPath, {{click, "/user/hand/left/input/x/click"}}), XR_SUCCESS);
   ASSERT_EQ(Suggest(kTouchPath, {{click, "/user/hand/left/input/y/click"}, {click, "/user/hand/left/input/a/click"}}),
@@ -184,7 +184,7 @@ TEST_F(ActionTest, BothHandsChangeWithOneEvent) {
   EXPECT_EQ(ProfileEvents(), 1);
 }
 
-TEST_F(ActionTest, HooksRefuseWhatDoesNotExist) {
+TEST_F(ActionTest, HooksRejectUnknownDevicesAndPaths) {
   EXPECT_EQ(omni_test_set_device("middle", 1, nullptr), -1);
   EXPECT_EQ(omni_test_set_device("left", 1, "/interaction_profiles/nobody/nothing"), -1);
   EXPECT_EQ(omni_test_set_bool("/user/hand/left/input/trigger/value", 1), -1) << "a float";

@@ -49,7 +49,7 @@ TEST_F(InstanceTest, ExtensionListTakesTwoCalls) {
   EXPECT_TRUE(timespec);
 }
 
-TEST_F(InstanceTest, NegotiationRefusesForeignStructures) {
+TEST_F(InstanceTest, NegotiationRejectsMismatchedStructures) {
   NegotiateLoaderInfo loader = Loader();
   NegotiateRuntimeRequest request = Request();
   ASSERT_EQ(xrNegotiateLoaderRuntimeInterface(&loader, &request), XR_SUCCESS);
@@ -129,7 +129,7 @@ TEST_F(InstanceTest, TimeIsMonotonicPlusTheKnownOffset) {
   EXPECT_EQ(back(instance_, 0, &then), XR_ERROR_TIME_INVALID);
 }
 
-TEST_F(InstanceTest, NamesOfResultsAndStructures) {
+TEST_F(InstanceTest, ResultsAndStructureTypesHaveNames) {
   Start();
   char name[XR_MAX_RESULT_STRING_SIZE];
   EXPECT_EQ(xrResultToString(instance_, XR_ERROR_PATH_INVALID, name), XR_SUCCESS);
@@ -169,7 +169,7 @@ TEST_F(InstanceTest, SystemIsOneStereoDisplay) {
 }
 
 // 200 instances in a row leak no handles (TearDown counts those of the last).
-TEST_F(InstanceTest, ManyLives) {
+TEST_F(InstanceTest, RepeatedInstancesLeakNoHandles) {
   for (int i = 0; i < 200; ++i) {
     Start();
     const XrAction pose = AddAction("pose", XR_ACTION_TYPE_POSE_INPUT, {"left"});
@@ -180,7 +180,7 @@ TEST_F(InstanceTest, ManyLives) {
   }
 }
 
-TEST_F(InstanceTest, LossIsAnnouncedThenFinal) {
+TEST_F(InstanceTest, LostInstanceSendsEventThenFailsCalls) {
   Start();
   ASSERT_EQ(omni_test_lose_instance(), 0);
   const auto events = Poll();

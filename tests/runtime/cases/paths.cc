@@ -13,7 +13,7 @@ class PathTest : public RuntimeTest {
   }
 };
 
-TEST_F(PathTest, SameTextSameAtom) {
+TEST_F(PathTest, SameStringGivesSamePath) {
   const XrPath left = Path("/user/hand/left");
   EXPECT_EQ(left, Path("/user/hand/left"));
   EXPECT_NE(left, Path("/user/hand/right"));
@@ -21,7 +21,7 @@ TEST_F(PathTest, SameTextSameAtom) {
   EXPECT_EQ(Text(left), "/user/hand/left");
 }
 
-TEST_F(PathTest, MalformedTextIsRefused) {
+TEST_F(PathTest, MalformedPathStringsAreRejected) {
   XrPath path = 7;
   for (const char* const text : {"", "/", "user", "/user/", "//user", "/user//hand", "/User", "/user/händ", "/user/.",
                                  "/user/..", "/...", "/us er", "/user\\hand"}) {
@@ -33,7 +33,7 @@ TEST_F(PathTest, MalformedTextIsRefused) {
   EXPECT_EQ(Text(Path("/a.b/..c/-_0")), "/a.b/..c/-_0");
 }
 
-TEST_F(PathTest, BogusAtomsAreInvalid) {
+TEST_F(PathTest, UnknownPathsAreInvalid) {
   char text[64];
   uint32_t length = 0;
   for (const XrPath bogus : {XrPath{XR_NULL_PATH}, XrPath{1}, XrPath{0x1234567812345678}, Path("/user/head") + 1000}) {
@@ -54,7 +54,7 @@ TEST_F(PathTest, SizesFollowTheTwoCallIdiom) {
   EXPECT_STREQ(text, "/user/head");
 }
 
-TEST_F(PathTest, AtomsDieWithTheirInstance) {
+TEST_F(PathTest, PathsAreInvalidAfterTheirInstance) {
   const XrPath old = Path("/user/head");
   DestroyInstance();
   Start();

@@ -58,7 +58,7 @@ class ScriptTest : public RuntimeTest {
   const test::TempFolder folder_;
 };
 
-TEST_F(ScriptTest, EventsHappenAtTheirTime) {
+TEST_F(ScriptTest, ScriptedEventsHappenAtTheirTime) {
   Script(
       "# comment\n"
       "0 float /user/hand/left/input/trigger/value 0.5\n"
@@ -77,7 +77,7 @@ TEST_F(ScriptTest, EventsHappenAtTheirTime) {
   EXPECT_EQ(Vector2(stick).currentState.y, 0.2f);
 }
 
-TEST_F(ScriptTest, MistakesStopTheInstance) {
+TEST_F(ScriptTest, ScriptErrorsFailInstanceCreation) {
   for (const char* const text : {"0 dance\n", "soon reset\n", "0\n", "0 bool /user/hand/left/input/x/click\n",
                                  "0 present middle 1\n", "0 float trigger 1\n", "0 focus nan\n", "-1 reset\n"}) {
     Script(text);
@@ -89,7 +89,7 @@ TEST_F(ScriptTest, MistakesStopTheInstance) {
   EXPECT_EQ(CreateInstance({}), XR_ERROR_RUNTIME_FAILURE);
 }
 
-TEST_F(ScriptTest, TouchSeesTheScriptedHandAndIsValid) {
+TEST_F(ScriptTest, ProbeFollowsScriptedHandAndPassesValidation) {
   Script(
       "0.1 pose /user/hand/left/input/aim/pose 0.1 1.6 0  0 0 0 1  0.05 0 0  0 0 0\n"
       "0.2 float /user/hand/left/input/trigger/value 0.9\n"
@@ -110,13 +110,13 @@ TEST_F(ScriptTest, TouchSeesTheScriptedHandAndIsValid) {
   EXPECT_EQ(Read("validation"), "");
 }
 
-TEST_F(ScriptTest, ValidationReportsThePlantedError) {
+TEST_F(ScriptTest, CoreValidationReportsPlantedError) {
   ASSERT_EQ(RunProbe("--hand left --seconds 0.2 --plant-error"), 0) << Read("output");
   EXPECT_NE(Read("validation").find("VUID-XrSpaceLocation-type-type"), std::string::npos) << Read("validation");
   EXPECT_TRUE(ReportHas("\"planted_error_result\": \"XR_ERROR_VALIDATION_FAILURE\""));
 }
 
-TEST_F(ScriptTest, TouchSaysWhatWasMissing) {
+TEST_F(ScriptTest, ProbeReportsMissingPenAndBadOptions) {
   EXPECT_EQ(RunProbe("--hand right --seconds 0.2 --expect-pen --quiet"), 3);
   EXPECT_NE(Read("output").find("no interaction profile became current"), std::string::npos) << Read("output");
   EXPECT_TRUE(ReportHas("\"profile\": null"));
@@ -126,7 +126,7 @@ TEST_F(ScriptTest, TouchSaysWhatWasMissing) {
 }
 
 // It exits when the runtime requires it, not when its 60 s are over.
-TEST_F(ScriptTest, TouchLeavesOnLossAndExit) {
+TEST_F(ScriptTest, ProbeExitsOnLossAndExitRequest) {
   constexpr long kOneSecond = 90;
   Script("0.2 lose_session\n");
   EXPECT_EQ(RunProbe("--hand left --seconds 60 --quiet"), 0);

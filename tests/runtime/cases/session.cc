@@ -35,7 +35,7 @@ TEST_F(SessionTest, NeedsHeadlessOrGraphics) {
   EXPECT_EQ(CreateSession(), XR_ERROR_GRAPHICS_DEVICE_INVALID);
 }
 
-TEST_F(SessionTest, BeginOnlyWhenReady) {
+TEST_F(SessionTest, BeginAndEndNeedTheRightSessionState) {
   const auto info = Make<XrSessionBeginInfo>(XR_TYPE_SESSION_BEGIN_INFO);
   EXPECT_EQ(xrBeginSession(session_, &info), XR_ERROR_SESSION_NOT_READY);
   EXPECT_EQ(xrEndSession(session_), XR_ERROR_SESSION_NOT_RUNNING);
@@ -55,7 +55,7 @@ TEST_F(SessionTest, ExitPassesEveryStateInOrder) {
   EXPECT_EQ(xrDestroySession(session_), XR_ERROR_HANDLE_INVALID);
 }
 
-TEST_F(SessionTest, FocusDropsAndReturns) {
+TEST_F(SessionTest, LosingFocusMakesActionsInactive) {
   XrAction pose = AddAction("pose", XR_ACTION_TYPE_POSE_INPUT);
   ASSERT_EQ(Suggest(kTouchPath, {{pose, "/user/hand/left/input/grip/pose"}}), XR_SUCCESS);
   ASSERT_EQ(Attach({set_}), XR_SUCCESS);
@@ -73,7 +73,7 @@ TEST_F(SessionTest, FocusDropsAndReturns) {
   EXPECT_TRUE(PoseActive(pose));
 }
 
-TEST_F(SessionTest, LossEndsEverythingButDestruction) {
+TEST_F(SessionTest, LostSessionAllowsOnlyDestruction) {
   const XrSpace space = ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   Focus();
   ASSERT_EQ(omni_test_lose_session(), 0);
@@ -84,7 +84,7 @@ TEST_F(SessionTest, LossEndsEverythingButDestruction) {
   EXPECT_EQ(CreateSession(), XR_SUCCESS);
 }
 
-TEST_F(SessionTest, ChildrenDieWithTheSession) {
+TEST_F(SessionTest, DestroyingSessionInvalidatesItsSpaces) {
   const XrSpace space = ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   ASSERT_EQ(xrDestroySession(session_), XR_SUCCESS);
   EXPECT_EQ(xrDestroySpace(space), XR_ERROR_HANDLE_INVALID);
@@ -93,7 +93,7 @@ TEST_F(SessionTest, ChildrenDieWithTheSession) {
   EXPECT_NE(ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), space);
 }
 
-TEST_F(SessionTest, EventsThatNobodyPollsAreCountedAsLost) {
+TEST_F(SessionTest, UnpolledEventsAreCountedAsLost) {
   Focus();
   for (int i = 0; i < 300; ++i) {
     omni_test_set_focus(0);
@@ -105,7 +105,7 @@ TEST_F(SessionTest, EventsThatNobodyPollsAreCountedAsLost) {
   EXPECT_EQ(reinterpret_cast<const XrEventDataEventsLost&>(events[0]).lostEventCount, 600U - 256U);
 }
 
-TEST_F(SessionTest, FramesComeInOrder) {
+TEST_F(SessionTest, FrameCallsMustComeInOrder) {
   auto frame = Make<XrFrameState>(XR_TYPE_FRAME_STATE);
   EXPECT_EQ(Wait(&frame), XR_ERROR_SESSION_NOT_RUNNING);
   Focus();
@@ -128,7 +128,7 @@ TEST_F(SessionTest, FramesComeInOrder) {
   EXPECT_EQ(Begin(), XR_FRAME_DISCARDED);
 }
 
-TEST_F(SessionTest, LayersNeedALivingSpace) {
+TEST_F(SessionTest, LayersNeedValidSpaceAndPose) {
   const XrSpace space = ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   Focus();
   auto frame = Make<XrFrameState>(XR_TYPE_FRAME_STATE);
@@ -145,7 +145,7 @@ TEST_F(SessionTest, LayersNeedALivingSpace) {
   EXPECT_EQ(End(frame.predictedDisplayTime, 1, &layer), XR_SUCCESS);
 }
 
-TEST_F(SessionTest, EyesStandAtTheHead) {
+TEST_F(SessionTest, LocateViewsPlacesEyesAtTheHead) {
   Focus();
   const XrSpace stage = ReferenceSpace(XR_REFERENCE_SPACE_TYPE_STAGE);
   auto info = Make<XrViewLocateInfo>(XR_TYPE_VIEW_LOCATE_INFO);

@@ -38,7 +38,7 @@ class SpaceTest : public RuntimeTest {
   XrSpace local_ = XR_NULL_HANDLE;
 };
 
-TEST_F(SpaceTest, ReferenceSpacesAreWhereTheyShouldBe) {
+TEST_F(SpaceTest, ReferenceSpacesHaveTheirDefaultPoses) {
   const Where local = Locate(local_, stage_);
   EXPECT_TRUE(local.valid() && local.tracked());
   ExpectNear(local.location.pose.position, 0, 1.6f, 0);
@@ -66,7 +66,7 @@ TEST_F(SpaceTest, LocatableOnlyAfterASyncThatMadeItActive) {
 }
 
 // v = v_A + w x r: 2 rad/s about +Z with a lever of 0.5 m along +X adds 1 m/s along +Y.
-TEST_F(SpaceTest, VelocityHasTheLeverArm) {
+TEST_F(SpaceTest, VelocityIncludesTheLeverArm) {
   const float pose[7] = {0, 1, 0, 0, 0, 0, 1};
   const float velocity[6] = {0.1f, 0, 0, 0, 0, 2};
   ASSERT_EQ(omni_test_set_pose(kLeftGrip.c_str(), pose, velocity), 0);
@@ -114,7 +114,7 @@ TEST_F(SpaceTest, VelocityIsInTheAxesOfATurningBase) {
   EXPECT_NEAR((after.z - before.z) / 0.002f, v.z, 5e-3f);
 }
 
-TEST_F(SpaceTest, UnpluggedAtOnceReturnedOnlyAtASync) {
+TEST_F(SpaceTest, DeviceVanishesAtOnceAndReturnsAtSync) {
   const XrSpace space = ActionSpace(grip_, "left");
   ASSERT_EQ(Sync(), XR_SUCCESS);
   ASSERT_EQ(omni_test_set_device("left", 0, nullptr), 0);
@@ -144,7 +144,7 @@ TEST_F(SpaceTest, TrackingLossKeepsThePoseValid) {
   ExpectNear(joined.location.pose.position, 0, 0, 0.1f);
 }
 
-TEST_F(SpaceTest, SurvivesItsAction) {
+TEST_F(SpaceTest, SpaceOutlivesItsAction) {
   const XrSpace space = ActionSpace(grip_, "left");
   ASSERT_EQ(xrDestroyAction(grip_), XR_SUCCESS);
   ASSERT_EQ(xrDestroyAction(aim_), XR_SUCCESS);
@@ -174,7 +174,7 @@ TEST_F(SpaceTest, RecenterMovesLocalOnly) {
   ExpectNear(Locate(space, stage_, change.changeTime).location.pose.position, -0.2f, 1.3f, -0.4f);
 }
 
-TEST_F(SpaceTest, ArgumentsAreValidated) {
+TEST_F(SpaceTest, InvalidArgumentsAreRejected) {
   ASSERT_EQ(Sync(), XR_SUCCESS);
   const XrSpace space = ActionSpace(grip_, "left");
   for (const XrTime time : {XrTime{-1}, std::numeric_limits<XrTime>::min()}) {
@@ -214,7 +214,7 @@ TEST_F(SpaceTest, CallsAreCounted) {
 }
 
 // Readers, a syncing thread and a changing world at once; every answer is one of the two poses, never a mixture.
-TEST_F(SpaceTest, ManyThreads) {
+TEST_F(SpaceTest, ConcurrentReadersNeverSeeMixedPoses) {
   const XrSpace space = ActionSpace(grip_, "left");
   ASSERT_EQ(Sync(), XR_SUCCESS);
   const float near[7] = {0, 1, 0, 0, 0, 0, 1};

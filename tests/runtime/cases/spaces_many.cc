@@ -51,7 +51,7 @@ struct Question {
   XrSpaceLocations locations{};
 };
 
-TEST_F(ManySpacesTest, EachIsLocatedAsAlone) {
+TEST_F(ManySpacesTest, LocateSpacesMatchesLocateSpace) {
   const float head[7] = {0.3f, 1.5f, -0.2f, 0, std::sqrt(0.5f), 0, std::sqrt(0.5f)};
   const float moving[6] = {0.1f, 0, 0.4f, 0, 1, 0};
   ASSERT_EQ(omni_test_set_head(head, moving), 0);
@@ -67,7 +67,7 @@ TEST_F(ManySpacesTest, EachIsLocatedAsAlone) {
   }
 }
 
-TEST_F(ManySpacesTest, CountsAndHandlesAreChecked) {
+TEST_F(ManySpacesTest, InvalidCountsTimesAndHandlesAreRejected) {
   Question question(view_, {local_, stage_}, Now());
   question.info.spaceCount = 0;
   EXPECT_EQ(locate_(session_, &question.info, &question.locations), XR_ERROR_VALIDATION_FAILURE);
@@ -89,7 +89,7 @@ TEST_F(ManySpacesTest, CountsAndHandlesAreChecked) {
   EXPECT_EQ(locate_(session_, &question.info, nullptr), XR_ERROR_VALIDATION_FAILURE);
 }
 
-TEST_F(ManySpacesTest, FunctionsOfExtensionsNeedThem) {
+TEST_F(ManySpacesTest, ExtensionFunctionsNeedTheirExtension) {
   PFN_xrVoidFunction found = nullptr;
   EXPECT_EQ(xrGetInstanceProcAddr(instance_, "xrLocateSpaces", &found), XR_ERROR_FUNCTION_UNSUPPORTED) << "1.1 only";
   DestroyInstance();
@@ -134,7 +134,7 @@ TEST_F(ManySpacesTest, HandMovesWithItsPalm) {
   EXPECT_EQ(locate(tracker, &info, &out), XR_ERROR_HANDLE_INVALID);
 }
 
-TEST_F(ManySpacesTest, OriginsMoveAtTheirTime) {
+TEST_F(ManySpacesTest, SpaceChangeAppliesAtChangeTime) {
   Poll();
   const float pose[7] = {0, 0, 1, 0, 0, 0, 1};
   ASSERT_EQ(omni_test_move_space("stage", pose, 1'000'000'000, 0), 0);
@@ -149,7 +149,7 @@ TEST_F(ManySpacesTest, OriginsMoveAtTheirTime) {
   EXPECT_NEAR(Locate(local_, stage_, change.changeTime).location.pose.position.z, -1, 1e-6f);
 }
 
-TEST_F(ManySpacesTest, VelocitiesCanBeUnknown) {
+TEST_F(ManySpacesTest, VelocitiesCanBeSwitchedOff) {
   ASSERT_EQ(omni_test_tell_velocities(0), 0);
   const Where where = Locate(view_, stage_);
   EXPECT_TRUE(where.valid());
@@ -168,7 +168,7 @@ TEST_F(ManySpacesTest, StageCanBeMissing) {
   EXPECT_EQ(xrCreateReferenceSpace(session_, &info, &made), XR_ERROR_REFERENCE_SPACE_UNSUPPORTED);
 }
 
-TEST_F(ManySpacesTest, FramesAreRecordedAndChecked) {
+TEST_F(ManySpacesTest, EndFrameValidatesAndRecordsLayers) {
   Focus();
   auto frame = Make<XrFrameState>(XR_TYPE_FRAME_STATE);
   ASSERT_EQ(xrWaitFrame(session_, nullptr, &frame), XR_SUCCESS);

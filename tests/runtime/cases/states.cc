@@ -49,7 +49,7 @@ TEST_F(StateTest, BooleanChangesAtSyncsWithPhysicalTime) {
   EXPECT_EQ(later.lastChangeTime, state.lastChangeTime);
 }
 
-TEST_F(StateTest, InactiveMeansZero) {
+TEST_F(StateTest, InactiveStatesAreZero) {
   const XrAction click = AddAction("click", kBoolean);
   const XrAction pull = AddAction("pull", kFloat);
   ASSERT_EQ(Suggest(kTouchPath, {{click, kLeftX}, {pull, kLeftTrigger}}), XR_SUCCESS);
@@ -86,7 +86,7 @@ TEST_F(StateTest, AnalogueToBooleanHasHysteresis) {
   EXPECT_FALSE(at(0.6f));
 }
 
-TEST_F(StateTest, ParentPathsAndConversions) {
+TEST_F(StateTest, ParentPathsConvertToActionType) {
   const XrAction pull = AddAction("pull", kFloat);
   const XrAction press = AddAction("press", kFloat);
   const XrAction stick = AddAction("stick", kVector2);
@@ -153,7 +153,7 @@ TEST_F(StateTest, BooleansOfTwoHandsAreOred) {
   EXPECT_FALSE(at(0, 0));
 }
 
-TEST_F(StateTest, QueriesAreValidated) {
+TEST_F(StateTest, InvalidQueriesAreRejected) {
   const XrAction click = AddAction("click", kBoolean, {"left"});
   auto info = Make<XrActionStateGetInfo>(XR_TYPE_ACTION_STATE_GET_INFO);
   auto state = Make<XrActionStateBoolean>(XR_TYPE_ACTION_STATE_BOOLEAN);
@@ -174,7 +174,7 @@ TEST_F(StateTest, QueriesAreValidated) {
   EXPECT_EQ(xrGetActionStateBoolean(session_, &info, &state), XR_ERROR_HANDLE_INVALID);
 }
 
-TEST_F(StateTest, SyncIsValidated) {
+TEST_F(StateTest, InvalidSyncsAreRejected) {
   AddAction("click", kBoolean, {"left"});
   EXPECT_EQ(Sync(), XR_ERROR_ACTIONSET_NOT_ATTACHED);
   Focus();
@@ -228,7 +228,7 @@ TEST_F(StateTest, PoseStaysWithItsFirstDevice) {
   EXPECT_NEAR(Locate(space, stage).location.pose.position.x, -0.2f, 1e-6f);
 }
 
-TEST_F(StateTest, BoundSourcesAndTheirNames) {
+TEST_F(StateTest, BoundSourcesAreListedWithNames) {
   const XrAction click = AddAction("click", kBoolean);
   const XrAction unbound = AddAction("unbound", kBoolean);
   ASSERT_EQ(Suggest(kTouchPath, {{click, kLeftX}, {click, "/user/hand/left/input/trigger"}}), XR_SUCCESS);

@@ -55,7 +55,7 @@ class Version11Test : public RuntimeTest {
   XrInstance made_ = XR_NULL_HANDLE;
 };
 
-TEST_F(Version11Test, OfThisMinorVersionAtMost) {
+TEST_F(Version11Test, RejectsNewerMinorVersions) {
   EXPECT_EQ(Make11(XR_MAKE_VERSION(1, 2, 0)), XR_ERROR_API_VERSION_UNSUPPORTED);
   EXPECT_EQ(Make11(XR_MAKE_VERSION(2, 0, 0)), XR_ERROR_API_VERSION_UNSUPPORTED);
   EXPECT_EQ(Make11(XR_MAKE_VERSION(1, 1, 60)), XR_SUCCESS);

@@ -1,5 +1,5 @@
-// Stands in for firmware/board/teensy40/register_access.h: registers are memory of the test, and every access to one
-// calls a model of the chip.
+// Stands in for firmware/board/teensy40/chip/register_access.h: registers are memory of the test, and every access to
+// one calls a model of the chip.
 #pragma once
 
 #include <sys/mman.h>
