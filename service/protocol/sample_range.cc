@@ -69,15 +69,15 @@ bool InRange(const VehicleSnapshot& vehicle) noexcept {
 
 ToolSample Clamped(const ToolSample& sample) noexcept {
   if (InRange(sample)) return sample;
-  ToolSample tamed = sample;
-  tamed.t_ns = std::clamp<std::int64_t>(sample.t_ns, 0, kLatestTime_ns);
-  tamed.flags &= kKnownToolFlags;
-  tamed.position_sigma_m = Clamped(sample.position_sigma_m);
-  tamed.gap_m = Clamped(sample.gap_m);
-  if (InRange(tamed)) return tamed;
+  ToolSample clamped = sample;
+  clamped.t_ns = std::clamp<std::int64_t>(sample.t_ns, 0, kLatestTime_ns);
+  clamped.flags &= kKnownToolFlags;
+  clamped.position_sigma_m = Clamped(sample.position_sigma_m);
+  clamped.gap_m = Clamped(sample.gap_m);
+  if (InRange(clamped)) return clamped;
   ToolSample poseless;
-  poseless.t_ns = tamed.t_ns;
-  poseless.flags = tamed.flags & (kToolJoystick | kToolAligned);
+  poseless.t_ns = clamped.t_ns;
+  poseless.flags = clamped.flags & (kToolJoystick | kToolAligned);
   poseless.position_sigma_m = kLargestValue;
   poseless.gap_m = kLargestValue;
   return poseless;
@@ -85,24 +85,24 @@ ToolSample Clamped(const ToolSample& sample) noexcept {
 
 InputSnapshot Clamped(const InputSnapshot& inputs) noexcept {
   if (InRange(inputs)) return inputs;
-  InputSnapshot tamed = inputs;
-  tamed.t_ns = std::clamp<std::int64_t>(inputs.t_ns, 0, kLatestTime_ns);
-  for (InputValue& component : tamed.components) {
+  InputSnapshot clamped = inputs;
+  clamped.t_ns = std::clamp<std::int64_t>(inputs.t_ns, 0, kLatestTime_ns);
+  for (InputValue& component : clamped.components) {
     component.value = std::isnan(component.value) ? 0.0f : std::clamp(component.value, -1.0f, 1.0f);
     component.t_change_ns = std::clamp<std::int64_t>(component.t_change_ns, 0, kLatestTime_ns);
   }
-  return tamed;
+  return clamped;
 }
 
 ContactSnapshot Clamped(const ContactSnapshot& contacts) noexcept {
   if (InRange(contacts)) return contacts;
-  ContactSnapshot tamed;
-  tamed.t_ns = std::clamp<std::int64_t>(contacts.t_ns, 0, kLatestTime_ns);
-  tamed.scene_generation = contacts.scene_generation;
+  ContactSnapshot clamped;
+  clamped.t_ns = std::clamp<std::int64_t>(contacts.t_ns, 0, kLatestTime_ns);
+  clamped.scene_generation = contacts.scene_generation;
   for (std::uint32_t i = 0; i < std::min(contacts.count, kMaxSampledContacts); ++i) {
-    if (ContactInRange(contacts.contacts[i])) tamed.contacts[tamed.count++] = contacts.contacts[i];
+    if (ContactInRange(contacts.contacts[i])) clamped.contacts[clamped.count++] = contacts.contacts[i];
   }
-  return tamed;
+  return clamped;
 }
 
 VehicleSnapshot Clamped(const VehicleSnapshot& vehicle) noexcept {

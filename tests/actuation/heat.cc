@@ -131,9 +131,9 @@ TEST(ActuationHeat, CopperStaysBelowItsLimitUnderFullLoad) {
   EXPECT_GT(blind.copper_max_C, 66) << "what is there may be used";
   EXPECT_GT(blind.current_end_A, 3);
   EXPECT_LT(blind.step_max_A, 0.01) << "per 2 ms: less than 2.5 mN";
-  const Derated told = RunDerated(1.15, true);
-  EXPECT_LT(told.copper_max_C, 70);
-  EXPECT_LT(told.step_max_A, 0.02);
+  const Derated reported = RunDerated(1.15, true);
+  EXPECT_LT(reported.copper_max_C, 70);
+  EXPECT_LT(reported.step_max_A, 0.02);
 }
 
 TEST(ActuationHeat, CurrentCeilingsChangeWithoutSteps) {

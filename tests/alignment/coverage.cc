@@ -43,10 +43,10 @@ TEST(AlignmentCoverage, SweepErrorMatchesPredictionUnderIndependentNoise) {
   for (const double noise_m : {0.5e-3, 1.5e-3, 2.5e-3}) {
     Coverage coverage;
     for (unsigned seed = 0; seed < kFits; ++seed) {
-      AlignmentScenario story(seed);
-      const Rigid truth = story.AnyBase();
+      AlignmentScenario scenario(seed);
+      const Rigid truth = scenario.AnyBase();
       std::vector<Sample> samples;
-      for (int i = 0; i < 150; ++i) samples.push_back(story.At(truth, story.PointOfBase(), kTip, noise_m, 0));
+      for (int i = 0; i < 150; ++i) samples.push_back(scenario.At(truth, scenario.PointOfBase(), kTip, noise_m, 0));
       Prior prior;
       prior.level = false;
       const auto outcome = Fit(samples, prior, {});
@@ -69,18 +69,18 @@ TEST(AlignmentCoverage, FiveTouchErrorMatchesPrediction) {
   for (const bool level : {true, false}) {
     Coverage coverage;
     for (unsigned seed = 0; seed < kFits; ++seed) {
-      AlignmentScenario story(seed);
-      Rigid truth = story.LevelBase();
-      const Eigen::Vector3d tilt = story.Normal(0.00873);
+      AlignmentScenario scenario(seed);
+      Rigid truth = scenario.LevelBase();
+      const Eigen::Vector3d tilt = scenario.Normal(0.00873);
       const Eigen::Quaterniond tilted(
           Eigen::AngleAxisd(std::hypot(tilt.x(), tilt.z()), Eigen::Vector3d(tilt.x(), 0, tilt.z()).normalized()));
       truth.orientation = base::FromEigen((tilted * base::ToEigen(truth.orientation)).normalized());
       Prior prior;
       prior.level = level;
-      prior.tip_controller_m = base::FromEigen(Eigen::Vector3d(base::ToEigen(kTip) + story.Normal(0.5e-3)));
+      prior.tip_controller_m = base::FromEigen(Eigen::Vector3d(base::ToEigen(kTip) + scenario.Normal(0.5e-3)));
       prior.tip_sigma_m = 0.5e-3;
       std::vector<Sample> samples;
-      for (int i = 0; i < 5; ++i) samples.push_back(story.At(truth, marks[i], kTip, 1.5e-3, i));
+      for (int i = 0; i < 5; ++i) samples.push_back(scenario.At(truth, marks[i], kTip, 1.5e-3, i));
       const auto outcome = Fit(samples, prior, {});
       ASSERT_TRUE(outcome.ok()) << outcome.error();
       coverage.Add(*outcome, truth);
@@ -95,14 +95,14 @@ TEST(AlignmentCoverage, PredictionAccountsForCorrelatedNoise) {
   Coverage coverage;
   double correlation = 0;
   for (unsigned seed = 0; seed < kFits; ++seed) {
-    AlignmentScenario story(seed);
-    const Rigid truth = story.LevelBase();
+    AlignmentScenario scenario(seed);
+    const Rigid truth = scenario.LevelBase();
     std::vector<Sample> samples;
-    Eigen::Vector3d drift = story.Normal(1.5e-3);
+    Eigen::Vector3d drift = scenario.Normal(1.5e-3);
     constexpr double kKeep = 0.92;  // 12 samples
     for (int i = 0; i < 600; ++i) {
-      drift = kKeep * drift + std::sqrt(1 - kKeep * kKeep) * story.Normal(1.5e-3);
-      Sample sample = story.At(truth, story.PointOfBase(), kTip, 0.3e-3, 0);
+      drift = kKeep * drift + std::sqrt(1 - kKeep * kKeep) * scenario.Normal(1.5e-3);
+      Sample sample = scenario.At(truth, scenario.PointOfBase(), kTip, 0.3e-3, 0);
       base::Vec3& p = sample.controller_space.position_m;
       p = base::FromEigen(Eigen::Vector3d(base::ToEigen(p) + drift));
       samples.push_back(sample);

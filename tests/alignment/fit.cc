@@ -22,10 +22,10 @@ const std::vector<base::Vec3> kMarks{{0.0618, -0.0508, -0.07},
                                      {-0.079, -0.0126, -0.07},
                                      {0, 0, 0.0375}};
 
-std::vector<Sample> Touches(AlignmentScenario& story, const Rigid& X_LB, double noise_m, std::size_t count = 5) {
+std::vector<Sample> Touches(AlignmentScenario& scenario, const Rigid& X_LB, double noise_m, std::size_t count = 5) {
   std::vector<Sample> samples;
   for (std::size_t i = 0; i < count; ++i)
-    samples.push_back(story.At(X_LB, kMarks[i], kTip, noise_m, static_cast<int>(i)));
+    samples.push_back(scenario.At(X_LB, kMarks[i], kTip, noise_m, static_cast<int>(i)));
   return samples;
 }
 
@@ -43,10 +43,10 @@ void ExpectHas(const std::string& text, const std::string& part) {
 
 TEST(AlignmentFit, NoiseFreeTouchesRecoverTheExactPlacement) {
   for (unsigned seed = 0; seed < 60; ++seed) {
-    AlignmentScenario story(seed);
+    AlignmentScenario scenario(seed);
     const bool level = seed % 2 == 0;
-    const Rigid truth = level ? story.LevelBase() : story.AnyBase();
-    const auto outcome = FitTouches(Touches(story, truth, 0), KnownTip(level), {});
+    const Rigid truth = level ? scenario.LevelBase() : scenario.AnyBase();
+    const auto outcome = FitTouches(Touches(scenario, truth, 0), KnownTip(level), {});
     ASSERT_TRUE(outcome.ok()) << seed << ": " << outcome.error();
     EXPECT_LT(Distance_m(outcome->base_space, truth, kWorkingPoint_base_m), 1e-7) << seed;
     EXPECT_LT(Angle_rad(outcome->base_space, truth), 1e-6) << seed;
@@ -59,10 +59,10 @@ TEST(AlignmentFit, NoiseFreeTouchesRecoverTheExactPlacement) {
 // A tip that has not been measured is found with the base when the controller turns.
 TEST(AlignmentFit, UnknownTipIsFoundTogetherWithTheBase) {
   for (unsigned seed = 0; seed < 30; ++seed) {
-    AlignmentScenario story(seed);
-    const Rigid truth = story.AnyBase();
+    AlignmentScenario scenario(seed);
+    const Rigid truth = scenario.AnyBase();
     std::vector<Sample> samples;
-    for (int i = 0; i < 120; ++i) samples.push_back(story.At(truth, story.PointOfBase(), kTip, 0, 0));
+    for (int i = 0; i < 120; ++i) samples.push_back(scenario.At(truth, scenario.PointOfBase(), kTip, 0, 0));
     Prior prior;
     prior.level = false;
     const auto outcome = Fit(samples, prior, {});
@@ -74,14 +74,14 @@ TEST(AlignmentFit, UnknownTipIsFoundTogetherWithTheBase) {
 }
 
 TEST(AlignmentFit, TimeOffsetIsFound) {
-  AlignmentScenario story(3);
-  const Rigid truth = story.LevelBase();
+  AlignmentScenario scenario(3);
+  const Rigid truth = scenario.LevelBase();
   constexpr double kLate_s = 0.012;
   std::vector<Sample> samples;
   for (int i = 0; i < 200; ++i) {
-    const base::Vec3 p = story.PointOfBase();
-    const Eigen::Vector3d v = story.Normal(0.15);
-    Sample sample = story.At(truth, p, kTip, 0, 0);
+    const base::Vec3 p = scenario.PointOfBase();
+    const Eigen::Vector3d v = scenario.Normal(0.15);
+    Sample sample = scenario.At(truth, p, kTip, 0, 0);
     // The controller shows what the pen showed kLate_s earlier.
     sample.point_base_m = base::FromEigen(Eigen::Vector3d(base::ToEigen(p) + kLate_s * v));
     sample.velocity_base_m_s = base::FromEigen(v);
@@ -102,11 +102,11 @@ TEST(AlignmentFit, TimeOffsetIsFound) {
 TEST(AlignmentFit, OneWrongTouchOfFiveIsIdentified) {
   int named = 0, others = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {
-    AlignmentScenario story(seed);
-    const Rigid truth = story.LevelBase();
-    std::vector<Sample> samples = Touches(story, truth, 1e-3);
+    AlignmentScenario scenario(seed);
+    const Rigid truth = scenario.LevelBase();
+    std::vector<Sample> samples = Touches(scenario, truth, 1e-3);
     const int wrong = static_cast<int>(seed % 5);
-    const Eigen::Vector3d by = story.Uniform(0.015, 0.06) * story.Normal(1).normalized();
+    const Eigen::Vector3d by = scenario.Uniform(0.015, 0.06) * scenario.Normal(1).normalized();
     base::Vec3& p = samples[static_cast<std::size_t>(wrong)].controller_space.position_m;
     p = {p.x + by.x(), p.y + by.y(), p.z + by.z()};
     const auto outcome = FitTouches(samples, KnownTip(), {});
@@ -126,8 +126,8 @@ TEST(AlignmentFit, OneWrongTouchOfFiveIsIdentified) {
 TEST(AlignmentFit, GoodTouchesAreNotFlaggedAsWrong) {
   int wrong = 0;
   for (unsigned seed = 0; seed < 300; ++seed) {
-    AlignmentScenario story(seed);
-    const auto outcome = FitTouches(Touches(story, story.LevelBase(), 1.5e-3), KnownTip(), {});
+    AlignmentScenario scenario(seed);
+    const auto outcome = FitTouches(Touches(scenario, scenario.LevelBase(), 1.5e-3), KnownTip(), {});
     ASSERT_TRUE(outcome.ok()) << seed << ": " << outcome.error();
     wrong += outcome->wrong_group >= 0;
   }
@@ -136,8 +136,8 @@ TEST(AlignmentFit, GoodTouchesAreNotFlaggedAsWrong) {
 
 TEST(AlignmentFit, TouchesInTheWrongOrderAreRejected) {
   for (unsigned seed = 0; seed < 50; ++seed) {
-    AlignmentScenario story(seed);
-    std::vector<Sample> samples = Touches(story, story.LevelBase(), 1e-3);
+    AlignmentScenario scenario(seed);
+    std::vector<Sample> samples = Touches(scenario, scenario.LevelBase(), 1e-3);
     std::rotate(samples.begin(), samples.begin() + 1, samples.begin() + 4);  // the ring, one too far
     for (std::size_t i = 0; i < samples.size(); ++i) samples[i].point_base_m = kMarks[i];
     const auto outcome = FitTouches(samples, KnownTip(), {});
@@ -147,12 +147,12 @@ TEST(AlignmentFit, TouchesInTheWrongOrderAreRejected) {
 }
 
 TEST(AlignmentFit, DegenerateDataIsRefusedWithARemedy) {
-  AlignmentScenario story(1);
-  const Rigid truth = story.LevelBase();
+  AlignmentScenario scenario(1);
+  const Rigid truth = scenario.LevelBase();
   const auto refusal = [&](const std::vector<base::Vec3>& points, const Limits& limits) {
     std::vector<Sample> samples;
     for (const base::Vec3& p : points)
-      samples.push_back(story.At(truth, p, kTip, 1e-4, static_cast<int>(samples.size())));
+      samples.push_back(scenario.At(truth, p, kTip, 1e-4, static_cast<int>(samples.size())));
     const auto outcome = Fit(samples, KnownTip(), limits);
     return outcome.ok() ? "accepted" : outcome.error();
   };
@@ -167,7 +167,7 @@ TEST(AlignmentFit, DegenerateDataIsRefusedWithARemedy) {
   Prior unknown;
   std::vector<Sample> unturned;
   for (int i = 0; i < 80; ++i) {
-    Sample sample = story.At(truth, story.PointOfBase(), {}, 1e-3, 0);
+    Sample sample = scenario.At(truth, scenario.PointOfBase(), {}, 1e-3, 0);
     sample.controller_space.orientation = {};
     unturned.push_back(sample);
   }
@@ -178,9 +178,9 @@ TEST(AlignmentFit, DegenerateDataIsRefusedWithARemedy) {
 
 // Pivot: the tip of a swung controller; refused when it was not swung, or slipped.
 TEST(AlignmentPivot, FindsTheTip) {
-  AlignmentScenario story(2);
+  AlignmentScenario scenario(2);
   std::vector<Rigid> poses;
-  for (int i = 0; i < 200; ++i) poses.push_back(story.At({}, {0.1, 0.2, 0.3}, kTip, 1e-3, 0).controller_space);
+  for (int i = 0; i < 200; ++i) poses.push_back(scenario.At({}, {0.1, 0.2, 0.3}, kTip, 1e-3, 0).controller_space);
   const auto pivot = SolvePivot(poses);
   ASSERT_TRUE(pivot.ok()) << pivot.error();
   const base::Vec3& tip = pivot->tip_controller_m;
@@ -191,8 +191,8 @@ TEST(AlignmentPivot, FindsTheTip) {
 }
 
 TEST(AlignmentPivot, RejectsUninformativePoses) {
-  AlignmentScenario story(5);
-  std::vector<Rigid> still(100, story.At({}, {}, kTip, 0, 0).controller_space);
+  AlignmentScenario scenario(5);
+  std::vector<Rigid> still(100, scenario.At({}, {}, kTip, 0, 0).controller_space);
   ExpectHas(SolvePivot(still).error(), "turned too little");
   std::vector<Rigid> about_one_axis;
   for (int i = 0; i < 100; ++i) {
@@ -203,7 +203,7 @@ TEST(AlignmentPivot, RejectsUninformativePoses) {
   ExpectHas(SolvePivot(about_one_axis).error(), "about one axis only");
   ExpectHas(SolvePivot({{}}).error(), "at least 20");
   std::vector<Rigid> slipping;
-  for (int i = 0; i < 100; ++i) slipping.push_back(story.At({}, {1e-3 * i, 0, 0}, kTip, 0, 0).controller_space);
+  for (int i = 0; i < 100; ++i) slipping.push_back(scenario.At({}, {1e-3 * i, 0, 0}, kTip, 0, 0).controller_space);
   ExpectHas(SolvePivot(slipping).error(), "press it into the dimple");
 }
 

@@ -6,20 +6,20 @@
 namespace omni::alignment {
 namespace test_alignment_kabsch {
 
-std::vector<PointPair> Pairs(test::AlignmentScenario& story, const Rigid& X_LB, int count) {
+std::vector<PointPair> Pairs(test::AlignmentScenario& scenario, const Rigid& X_LB, int count) {
   std::vector<PointPair> pairs;
   for (int i = 0; i < count; ++i) {
-    const base::Vec3 p = story.PointOfBase();
-    pairs.push_back({.base_m = p, .space_m = Apply(X_LB, p), .weight = story.Uniform(0.1, 3)});
+    const base::Vec3 p = scenario.PointOfBase();
+    pairs.push_back({.base_m = p, .space_m = Apply(X_LB, p), .weight = scenario.Uniform(0.1, 3)});
   }
   return pairs;
 }
 
 TEST(AlignmentKabsch, SixDofFindsAnyPlacement) {
   for (unsigned seed = 0; seed < 300; ++seed) {
-    test::AlignmentScenario story(seed);
-    const Rigid truth = story.AnyBase();
-    const Rigid found = FitSixDof(Pairs(story, truth, 3 + static_cast<int>(seed % 5)));
+    test::AlignmentScenario scenario(seed);
+    const Rigid truth = scenario.AnyBase();
+    const Rigid found = FitSixDof(Pairs(scenario, truth, 3 + static_cast<int>(seed % 5)));
     EXPECT_LT(Angle_rad(found, truth), 1e-7) << seed;
     EXPECT_LT(Distance_m(found, truth, kWorkingPoint_base_m), 1e-9) << seed;
   }
@@ -27,9 +27,9 @@ TEST(AlignmentKabsch, SixDofFindsAnyPlacement) {
 
 TEST(AlignmentKabsch, FourDofFindsLevelPlacementsFromTwoPoints) {
   for (unsigned seed = 0; seed < 300; ++seed) {
-    test::AlignmentScenario story(seed);
-    const Rigid truth = story.LevelBase();
-    const Rigid found = FitFourDof(Pairs(story, truth, 2));
+    test::AlignmentScenario scenario(seed);
+    const Rigid truth = scenario.LevelBase();
+    const Rigid found = FitFourDof(Pairs(scenario, truth, 2));
     EXPECT_LT(Angle_rad(found, truth), 1e-6) << seed;
     EXPECT_LT(Distance_m(found, truth, kWorkingPoint_base_m), 1e-8) << seed;
   }
@@ -38,8 +38,8 @@ TEST(AlignmentKabsch, FourDofFindsLevelPlacementsFromTwoPoints) {
 // Points in a plane, mirrored by noise: without the guard the determinant is -1.
 TEST(AlignmentKabsch, SixDofNeverReturnsAReflection) {
   for (unsigned seed = 0; seed < 300; ++seed) {
-    test::AlignmentScenario story(seed);
-    std::vector<PointPair> pairs = Pairs(story, story.AnyBase(), 4);
+    test::AlignmentScenario scenario(seed);
+    std::vector<PointPair> pairs = Pairs(scenario, scenario.AnyBase(), 4);
     for (PointPair& pair : pairs) pair.space_m = {-pair.space_m.x, pair.space_m.y, pair.space_m.z};
     const Eigen::Quaterniond q = base::ToEigen(FitSixDof(pairs).orientation);
     EXPECT_NEAR(q.norm(), 1, 1e-12);
@@ -48,9 +48,9 @@ TEST(AlignmentKabsch, SixDofNeverReturnsAReflection) {
 }
 
 TEST(AlignmentKabsch, HeavierPointsHaveMoreInfluence) {
-  test::AlignmentScenario story(4);
-  const Rigid truth = story.AnyBase();
-  std::vector<PointPair> pairs = Pairs(story, truth, 6);
+  test::AlignmentScenario scenario(4);
+  const Rigid truth = scenario.AnyBase();
+  std::vector<PointPair> pairs = Pairs(scenario, truth, 6);
   pairs[0].space_m.x += 0.01;
   pairs[0].weight = 1e-6;
   EXPECT_LT(Distance_m(FitSixDof(pairs), truth, {}), 1e-6);
@@ -61,10 +61,10 @@ TEST(AlignmentKabsch, HeavierPointsHaveMoreInfluence) {
 // The level fit is the best yaw: turning it either way makes the residual larger.
 TEST(AlignmentKabsch, FourDofMinimisesTheYawResidual) {
   for (unsigned seed = 0; seed < 100; ++seed) {
-    test::AlignmentScenario story(seed);
-    std::vector<PointPair> pairs = Pairs(story, story.LevelBase(), 5);
+    test::AlignmentScenario scenario(seed);
+    std::vector<PointPair> pairs = Pairs(scenario, scenario.LevelBase(), 5);
     for (PointPair& pair : pairs) {
-      const Eigen::Vector3d noisy = base::ToEigen(pair.space_m) + story.Normal(3e-3);
+      const Eigen::Vector3d noisy = base::ToEigen(pair.space_m) + scenario.Normal(3e-3);
       pair.space_m = base::FromEigen(noisy);
     }
     const Rigid found = FitFourDof(pairs);

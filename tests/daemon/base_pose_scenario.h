@@ -47,10 +47,10 @@ inline protocol::BasePoseCommand Store(std::int32_t space, double x = 0.1) {
 }
 
 struct Listener {
-  std::map<ipc::ClientId, std::vector<protocol::BasePose>> told;
+  std::map<ipc::ClientId, std::vector<protocol::BasePose>> reported;
   void Listen(BasePoses& placements) {
     placements.Notify([this](ipc::ClientId id, const protocol::BasePose& placement) {
-      told[id].push_back(placement);
+      reported[id].push_back(placement);
       return true;
     });
   }

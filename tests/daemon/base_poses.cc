@@ -16,28 +16,28 @@ TEST(DaemonBasePoses, StoredPlacementIsSentAtOnceAndAfterARestart) {
     BasePoses placements(path);
     placements.Request(1, Request({kSpaceStage, kSpaceLocal}));
     listener.Listen(placements);
-    ASSERT_EQ(listener.told[1].size(), 1U);
-    EXPECT_EQ(listener.told[1][0].known, 0U);
+    ASSERT_EQ(listener.reported[1].size(), 1U);
+    EXPECT_EQ(listener.reported[1][0].known, 0U);
     EXPECT_FALSE(placements.Aligned(1));
     const auto done = placements.Execute(Store(kSpaceStage), kDate_s);
     ASSERT_TRUE(done.ok) << done.text;
     listener.Listen(placements);
     listener.Listen(placements);
-    ASSERT_EQ(listener.told[1].size(), 2U) << "sent once";
+    ASSERT_EQ(listener.reported[1].size(), 2U) << "sent once";
     EXPECT_TRUE(placements.Aligned(1));
   }
   BasePoses again(path);
   EXPECT_EQ(again.problem(), "");
   again.Request(7, Request({kSpaceStage, kSpaceLocal}));
   listener.Listen(again);
-  const protocol::BasePose& placement = listener.told[7].back();
+  const protocol::BasePose& placement = listener.reported[7].back();
   EXPECT_EQ(placement.known, 1U);
   EXPECT_EQ(placement.space, kSpaceStage);
   EXPECT_EQ(placement.base_space.position_m[0], 0.1);
   EXPECT_NEAR(placement.expected_error_m, 0.9e-3, 1e-15);
   EXPECT_EQ(placement.measured_unix_s, kDate_s);
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_NEAR(placement.base_space.orientation_wxyz[i], listener.told[1].back().base_space.orientation_wxyz[i],
+    EXPECT_NEAR(placement.base_space.orientation_wxyz[i], listener.reported[1].back().base_space.orientation_wxyz[i],
                 1e-15);
   }
 }
@@ -53,13 +53,13 @@ TEST(DaemonBasePoses, AnswersWithTheFirstKnownSpaceOfTheHeadset) {
   placements.Request(3, Request({kSpaceStage}));
   Listener listener;
   listener.Listen(placements);
-  EXPECT_EQ(listener.told[1].back().space, kSpaceLocal);
-  EXPECT_EQ(listener.told[2].back().known, 0U) << "an alignment belongs to the headset that it was made with";
-  EXPECT_EQ(listener.told[3].back().known, 0U);
+  EXPECT_EQ(listener.reported[1].back().space, kSpaceLocal);
+  EXPECT_EQ(listener.reported[2].back().known, 0U) << "an alignment belongs to the headset that it was made with";
+  EXPECT_EQ(listener.reported[3].back().known, 0U);
   ASSERT_TRUE(placements.Execute(Store(kSpaceStage, 0.3), kDate_s).ok);
   listener.Listen(placements);
-  EXPECT_EQ(listener.told[1].back().space, kSpaceStage);
-  EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 0.3);
+  EXPECT_EQ(listener.reported[1].back().space, kSpaceStage);
+  EXPECT_EQ(listener.reported[1].back().base_space.position_m[0], 0.3);
 }
 
 // An updated runtime is not another runtime: Monado puts its git tag into its name.
@@ -73,7 +73,7 @@ TEST(DaemonBasePoses, AlignmentSurvivesARuntimeUpdate) {
     placements.Request(1, request);
     Listener listener;
     listener.Listen(placements);
-    return listener.told[1].back().known == 1;
+    return listener.reported[1].back().known == 1;
   };
   protocol::BasePoseCommand store = Store(kSpaceStage);
   store.headset = Headset("Monado(XRT) by Collabora et al '21.0.0-123-gabcdef'");
@@ -115,7 +115,7 @@ TEST(DaemonBasePoses, NewestAlignmentOfSeveralRuntimeBuildsIsUsed) {
   placements.Request(1, request);
   Listener listener;
   listener.Listen(placements);
-  EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 3.0);
+  EXPECT_EQ(listener.reported[1].back().base_space.position_m[0], 3.0);
   EXPECT_EQ(placements.file().entries.size(), 1U);
 }
 
@@ -145,7 +145,7 @@ TEST(DaemonBasePoses, PolicyIsStoredAndSent) {
   ASSERT_TRUE(placements.Execute(policy, kDate_s).ok);
   Listener listener;
   listener.Listen(placements);
-  EXPECT_EQ(listener.told[1].back().uncalibrated, protocol::Uncalibrated::kOff);
+  EXPECT_EQ(listener.reported[1].back().uncalibrated, protocol::Uncalibrated::kOff);
   EXPECT_EQ(BasePoses(temp.Path("a.toml")).file().uncalibrated, config::UncalibratedPolicy::kOff);
   ASSERT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok);
   EXPECT_FALSE(placements.Aligned(1)) << "the pen has no pose";

@@ -140,23 +140,23 @@ TEST_F(ForceClientsTest, NotifiesEachClientOncePerChange) {
   protocol::ForceProperties properties;
   properties.available = 1;
   deaf_ = true;
-  table_.Tell(properties);
+  table_.Notify(properties);
   EXPECT_TRUE(standing_.empty());
   deaf_ = false;
-  for (int i = 0; i < 3; ++i) table_.Tell(properties);
+  for (int i = 0; i < 3; ++i) table_.Notify(properties);
   EXPECT_EQ(told_[1], 1);
   EXPECT_EQ(available_[2], 1U);
   EXPECT_EQ(standing_[1], ForceStanding::kFree);
   Claim(1);
   table_.SetOwner(1);
-  table_.Tell(properties);
+  table_.Notify(properties);
   EXPECT_EQ(standing_[1], ForceStanding::kYours);
   EXPECT_EQ(standing_[2], ForceStanding::kTaken);
-  table_.Tell({});
+  table_.Notify({});
   EXPECT_EQ(told_[1], 2) << "the device has gone";
   EXPECT_EQ(available_[1], 0U);
   table_.SetOwner(2);
-  table_.Tell({});
+  table_.Notify({});
   EXPECT_EQ(standing_[1], ForceStanding::kFree) << "the focused one has claimed nothing";
 }
 

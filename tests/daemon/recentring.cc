@@ -40,7 +40,7 @@ TEST(DaemonRecentring, RecentringReportedByManyClientsIsAppliedOnce) {
     for (const ipc::ClientId id : {1, 2}) placements.Ask(id, Request({kSpaceLocal}));
     Listener listener;
     listener.Listen(placements);
-    const alignment::Rigid before = PoseOf(listener.told[1].back().base_space);
+    const alignment::Rigid before = PoseOf(listener.reported[1].back().base_space);
     protocol::SpaceChange change;
     change.pose_valid = 1;
     change.changes_at_ns = 5'000'000'000;
@@ -51,11 +51,11 @@ TEST(DaemonRecentring, RecentringReportedByManyClientsIsAppliedOnce) {
     change.changes_at_ns += 3'000'000;  // another application's estimate of the same time
     placements.Change(2, change, kNow_ns);
     listener.Listen(placements);
-    EXPECT_EQ(listener.told[1].size(), 1U) << "they moved the base themselves";
+    EXPECT_EQ(listener.reported[1].size(), 1U) << "they moved the base themselves";
     BasePoses again(path);
     again.Ask(3, Request({kSpaceLocal}));
     listener.Listen(again);
-    const alignment::Rigid after = PoseOf(listener.told[3].back().base_space);
+    const alignment::Rigid after = PoseOf(listener.reported[3].back().base_space);
     const alignment::Rigid in_previous = alignment::Compose(PoseOf(change.new_in_previous), after);
     EXPECT_LT(alignment::Distance_m(in_previous, before, {0.1, 0.1, 0.1}), 1e-12);
     EXPECT_LT(alignment::Angle_rad(in_previous, before), 1e-7);
@@ -80,7 +80,7 @@ TEST(DaemonRecentring, ImplausibleRecentringIsNotApplied) {
   EXPECT_EQ(moved_m, 0);
   EXPECT_FALSE(aligned.placements.Aligned(1));
   listener.Listen(aligned.placements);
-  EXPECT_EQ(listener.told[1].back().doubtful, 1U) << "connected clients are notified";
+  EXPECT_EQ(listener.reported[1].back().doubtful, 1U) << "connected clients are notified";
   aligned.placements.Change(1, Moved(1, kNow_ns + 5'000'000'000), kNow_ns + 5'000'000'000);
   EXPECT_EQ(aligned.placements.file().entries[0].recentred, 1) << "it hides no real recentring at the same time";
 }
@@ -134,7 +134,7 @@ TEST(DaemonRecentring, RestoreReturnsTheMeasuredPose) {
   ASSERT_TRUE(placements.Do(restore, kDate_s).ok);
   EXPECT_TRUE(placements.Aligned(1));
   listener.Listen(placements);
-  EXPECT_EQ(listener.told[1].back().base_space.position_m[0], 0.1) << "connected clients are notified";
+  EXPECT_EQ(listener.reported[1].back().base_space.position_m[0], 0.1) << "connected clients are notified";
   const config::AlignmentEntry entry = BasePoses(path).file().entries[0];
   EXPECT_EQ(entry.position_space_m.x, 0.1);
   EXPECT_EQ(entry.recentred, 0);
@@ -151,8 +151,8 @@ TEST(DaemonRecentring, ChangeToAnUnknownOriginMakesTheAlignmentDoubtful) {
   again.Ask(2, Request({kSpaceLocal}));
   Listener listener;
   listener.Listen(again);
-  EXPECT_EQ(listener.told[2].back().known, 1U);
-  EXPECT_EQ(listener.told[2].back().doubtful, 1U);
+  EXPECT_EQ(listener.reported[2].back().known, 1U);
+  EXPECT_EQ(listener.reported[2].back().doubtful, 1U);
   ASSERT_TRUE(again.Do(Store(kSpaceLocal), kDate_s).ok);
   EXPECT_TRUE(again.Aligned(2)) << "measured again";
 }

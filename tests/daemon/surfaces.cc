@@ -225,63 +225,63 @@ class Notified {
 };
 
 TEST(SurfaceClients, NoThreadRunsWithoutARequest) {
-  Notified told;
-  told.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
-  for (int i = 0; i < 20; ++i) told.problem += told.clients.Update(told.scene, 1);
-  EXPECT_FALSE(told.clients.running());
-  EXPECT_TRUE(told.messages.empty());
+  Notified reported;
+  reported.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
+  for (int i = 0; i < 20; ++i) reported.problem += reported.clients.Update(reported.scene, 1);
+  EXPECT_FALSE(reported.clients.running());
+  EXPECT_TRUE(reported.messages.empty());
 }
 
 // The thread of the one before may not have ended: its memory would never be updated.
 TEST(SurfaceClients, RequestDuringThreadShutdownGetsANewMemory) {
-  Notified told;
-  told.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
-  told.clients.Request(1, true);
-  ASSERT_TRUE(told.Until(1));
+  Notified reported;
+  reported.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
+  reported.clients.Request(1, true);
+  ASSERT_TRUE(reported.Until(1));
   for (ipc::ClientId id = 2; id < 12; ++id) {
-    const std::uint64_t before = told.messages.back().second;
-    told.clients.Remove(id - 1);
-    told.clients.Update(told.scene, told.generation);
-    told.clients.Request(id, true);
-    ASSERT_TRUE(told.Until(id));
-    EXPECT_EQ(told.messages.back(), std::make_pair(id, before + 1));
+    const std::uint64_t before = reported.messages.back().second;
+    reported.clients.Remove(id - 1);
+    reported.clients.Update(reported.scene, reported.generation);
+    reported.clients.Request(id, true);
+    ASSERT_TRUE(reported.Until(id));
+    EXPECT_EQ(reported.messages.back(), std::make_pair(id, before + 1));
   }
 }
 
 TEST(SurfaceClients, NotifiesEachClientOncePerMemory) {
   using Messages = std::vector<std::pair<ipc::ClientId, std::uint64_t>>;
-  Notified told;
-  told.clients.Request(1, true);
-  ASSERT_TRUE(told.Until(1));
-  EXPECT_EQ(told.messages, (Messages{{1, 0}})) << "no scene: nothing to draw";
-  EXPECT_FALSE(told.clients.running());
-  told.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
-  told.generation = 2;
-  ASSERT_TRUE(told.Until(2));
-  EXPECT_EQ(told.messages.back(), std::make_pair(ipc::ClientId{1}, std::uint64_t{1}));
-  EXPECT_TRUE(told.clients.running());
-  told.clients.Request(2, true);
-  ASSERT_TRUE(told.Until(3));
-  EXPECT_EQ(told.messages.back(), std::make_pair(ipc::ClientId{2}, std::uint64_t{1}));
-  told.generation = 3;  // another scene
-  told.deaf = true;     // whose message cannot be sent at first
+  Notified reported;
+  reported.clients.Request(1, true);
+  ASSERT_TRUE(reported.Until(1));
+  EXPECT_EQ(reported.messages, (Messages{{1, 0}})) << "no scene: nothing to draw";
+  EXPECT_FALSE(reported.clients.running());
+  reported.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
+  reported.generation = 2;
+  ASSERT_TRUE(reported.Until(2));
+  EXPECT_EQ(reported.messages.back(), std::make_pair(ipc::ClientId{1}, std::uint64_t{1}));
+  EXPECT_TRUE(reported.clients.running());
+  reported.clients.Request(2, true);
+  ASSERT_TRUE(reported.Until(3));
+  EXPECT_EQ(reported.messages.back(), std::make_pair(ipc::ClientId{2}, std::uint64_t{1}));
+  reported.generation = 3;  // another scene
+  reported.deaf = true;     // whose message cannot be sent at first
   for (int i = 0; i < 100; ++i) {
-    told.clients.Update(told.scene, told.generation);
+    reported.clients.Update(reported.scene, reported.generation);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  told.deaf = false;
-  ASSERT_TRUE(told.Until(5));
-  EXPECT_EQ(told.messages[4].second, told.messages[3].second);
-  EXPECT_GT(told.messages[4].second, 1U);
-  told.clients.Request(1, false);
-  told.clients.Remove(2);
-  for (int i = 0; i < 2000 && told.clients.running(); ++i) {
-    told.clients.Update(told.scene, told.generation);
+  reported.deaf = false;
+  ASSERT_TRUE(reported.Until(5));
+  EXPECT_EQ(reported.messages[4].second, reported.messages[3].second);
+  EXPECT_GT(reported.messages[4].second, 1U);
+  reported.clients.Request(1, false);
+  reported.clients.Remove(2);
+  for (int i = 0; i < 2000 && reported.clients.running(); ++i) {
+    reported.clients.Update(reported.scene, reported.generation);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  EXPECT_FALSE(told.clients.running());
-  EXPECT_EQ(told.messages.size(), 5U);
-  EXPECT_EQ(told.problem, "");
+  EXPECT_FALSE(reported.clients.running());
+  EXPECT_EQ(reported.messages.size(), 5U);
+  EXPECT_EQ(reported.problem, "");
 }
 
 struct NowhereSink : loop::TickSink {

@@ -92,17 +92,18 @@ TEST(LdltTest, ReportsProgressAndStopsWhenCancelled) {
   Dense m = RandomMatrix(500, 0.9, random);  // 40 million multiplications
   const Columns columns(m);
   LdltFactor f;
-  std::vector<double> told;
+  std::vector<double> reported;
   EXPECT_EQ(FactoriseLdlt(
                 columns.view(),
                 [&](double done) {
-                  told.push_back(done);
+                  reported.push_back(done);
                   return true;
                 },
                 f),
             LdltOutcome::kDone);
-  EXPECT_GT(told.size(), 4U);
-  for (std::size_t k = 0; k < told.size(); ++k) EXPECT_TRUE(told[k] > (k == 0 ? 0 : told[k - 1]) && told[k] <= 1);
+  EXPECT_GT(reported.size(), 4U);
+  for (std::size_t k = 0; k < reported.size(); ++k)
+    EXPECT_TRUE(reported[k] > (k == 0 ? 0 : reported[k - 1]) && reported[k] <= 1);
   int asked = 0;
   EXPECT_EQ(FactoriseLdlt(
                 columns.view(), [&](double) { return ++asked < 2; }, f),

@@ -35,12 +35,12 @@ TEST_P(HandRace, FinishesALapHoweverLateTheCarIsSeen) {
     const auto seed = static_cast<std::uint64_t>(GetParam() * kSeedsPerBlock + k + 1);
     const auto intent = tools::IntentFor(Track(), {});
     ASSERT_TRUE(intent.ok()) << intent.error();
-    LedScenario story(Track(), RaceHand(), seed, Conditions::Drawn(seed));
-    EXPECT_TRUE(story.Run(*intent->task, kPatience_s)) << "seed " << seed << ": " << intent->task->Account();
-    EXPECT_GE(story.output().haptics.vehicle.laps, 1U) << "seed " << seed;
-    hits += story.output().haptics.vehicle.hits;
-    sum_s += story.t_s();
-    longest_s = std::max(longest_s, story.t_s());
+    LedScenario scenario(Track(), RaceHand(), seed, Conditions::Drawn(seed));
+    EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << seed << ": " << intent->task->Account();
+    EXPECT_GE(scenario.output().haptics.vehicle.laps, 1U) << "seed " << seed;
+    hits += scenario.output().haptics.vehicle.hits;
+    sum_s += scenario.t_s();
+    longest_s = std::max(longest_s, scenario.t_s());
   }
   std::printf("[ figure   ] %.1f s in the mean, %.1f s at most, %u hits in %d races\n", sum_s / kSeedsPerBlock,
               longest_s, hits, kSeedsPerBlock);
@@ -51,10 +51,10 @@ INSTANTIATE_TEST_SUITE_P(Seeds, HandRace, testing::Range(0, 6));
 TEST(HandRaceAlone, LapWithoutVisualDelayIsFastAndHitFree) {
   const auto intent = tools::IntentFor(Track(), {});
   ASSERT_TRUE(intent.ok()) << intent.error();
-  LedScenario story(Track(), RaceHand(), 1, {});
-  EXPECT_TRUE(story.Run(*intent->task, kPatience_s)) << intent->task->Account();
-  EXPECT_LT(story.t_s(), 13);
-  EXPECT_EQ(story.output().haptics.vehicle.hits, 0U);
+  LedScenario scenario(Track(), RaceHand(), 1, {});
+  EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << intent->task->Account();
+  EXPECT_LT(scenario.t_s(), 13);
+  EXPECT_EQ(scenario.output().haptics.vehicle.hits, 0U);
 }
 
 }  // namespace test_hand_race

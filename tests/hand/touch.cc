@@ -43,10 +43,10 @@ TEST_P(HandTouch, FormsClayHoweverLateItIsFelt) {
     scene::LoadLive(loaded->scene, nullptr);
     const auto intent = tools::IntentFor(loaded->scene, kPlaces);
     ASSERT_TRUE(intent.ok()) << intent.error();
-    LedScenario story(loaded->scene, hand, Seed(k), Conditions::Drawn(Seed(k)));
-    EXPECT_TRUE(story.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
+    LedScenario scenario(loaded->scene, hand, Seed(k), Conditions::Drawn(Seed(k)));
+    EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
     EXPECT_GE(loaded->scene.live()->workshop_at(0).editor().undo_steps(), 2U) << "seed " << Seed(k);
-    times.Add(story.t_s());
+    times.Add(scenario.t_s());
   }
   times.Print("clay");
 }
@@ -66,9 +66,9 @@ TEST_P(HandTouch, DentsASoftBodyHoweverLateItIsSeen) {
   for (int k = 0; k < kSeedsPerBlock; ++k) {
     const auto intent = tools::IntentFor(body, kPlaces);
     ASSERT_TRUE(intent.ok()) << intent.error();
-    LedScenario story(body, hand, Seed(k), Conditions::Drawn(Seed(k)));
-    EXPECT_TRUE(story.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
-    times.Add(story.t_s());
+    LedScenario scenario(body, hand, Seed(k), Conditions::Drawn(Seed(k)));
+    EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
+    times.Add(scenario.t_s());
   }
   times.Print("soft");
 }
@@ -79,9 +79,9 @@ TEST_P(HandTouch, PressesWhatIsFirmHoweverLateItIsFelt) {
   for (int k = 0; k < kSeedsPerBlock; ++k) {
     const auto intent = tools::IntentFor(table, kPlaces);
     ASSERT_TRUE(intent.ok()) << intent.error();
-    LedScenario story(table, PressAndSlide(), Seed(k), Conditions::Drawn(Seed(k)));
-    EXPECT_TRUE(story.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
-    times.Add(story.t_s());
+    LedScenario scenario(table, PressAndSlide(), Seed(k), Conditions::Drawn(Seed(k)));
+    EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
+    times.Add(scenario.t_s());
   }
   times.Print("firm");
 }

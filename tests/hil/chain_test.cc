@@ -75,12 +75,12 @@ struct Scenario {
 constexpr std::array<float, 3> kSome_A{1.5F, -2.0F, 3.0F};
 
 TEST(HilChain, BootsArmsAndFollowsSetPoints) {
-  Scenario story;
-  ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A, 300));
+  Scenario scenario;
+  ASSERT_NO_FATAL_FAILURE(scenario.ArmAndFollow(kSome_A, 300));
   for (std::size_t k = 0; k < 3; ++k) {
     // The current sensor's own error: 0.15 % and 2 mA, three sigma of both.
     const double allowed_A = 0.006 + 0.01 * std::abs(kSome_A[k]);
-    EXPECT_NEAR(story.plant.current_A()[k], kSome_A[k], allowed_A) << k;
+    EXPECT_NEAR(scenario.plant.current_A()[k], kSome_A[k], allowed_A) << k;
   }
 }
 
@@ -99,17 +99,17 @@ TEST(HilChain, EmulatedBoardMatchesTheHostBoardExactly) {
 }
 
 TEST(HilChain, HostSilenceEndsInZeroCurrent) {
-  Scenario story;
-  ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A));
+  Scenario scenario;
+  ASSERT_NO_FATAL_FAILURE(scenario.ArmAndFollow(kSome_A));
   double zero_ms = 0;
   for (int i = 1; i <= 100; ++i) {
-    story.host->Run(1);
-    if (Largest_A(story.plant) > kZero_A) zero_ms = i;
+    scenario.host->Run(1);
+    if (Largest_A(scenario.plant) > kZero_A) zero_ms = i;
   }
   RecordProperty("zero_ms", std::to_string(zero_ms));
   EXPECT_LE(zero_ms, 20) << "time to live, then a ramp of at most 5 ms";
-  EXPECT_NE(story.chain->telemetry().faults & wire::kFaultHostSilent, 0U);
-  EXPECT_TRUE(story.host->Arm()) << "the host's own faults do not require a check by the user";
+  EXPECT_NE(scenario.chain->telemetry().faults & wire::kFaultHostSilent, 0U);
+  EXPECT_TRUE(scenario.host->Arm()) << "the host's own faults do not require a check by the user";
 }
 
 struct FaultCase {
@@ -124,17 +124,18 @@ void PrintTo(const FaultCase& fault, std::ostream* out) { *out << fault.name; }
 class HilFault : public testing::TestWithParam<FaultCase> {};
 
 TEST_P(HilFault, EndsInZeroCurrentAndStaysLatched) {
-  Scenario story;
-  ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A));
-  GetParam().apply(story.plant.faults());
-  const double zero_ms = story.ZeroAfter_ms(kSome_A, 400);
+  Scenario scenario;
+  ASSERT_NO_FATAL_FAILURE(scenario.ArmAndFollow(kSome_A));
+  GetParam().apply(scenario.plant.faults());
+  const double zero_ms = scenario.ZeroAfter_ms(kSome_A, 400);
   RecordProperty("zero_ms", std::to_string(zero_ms));
-  std::printf("%-24s zero after %5.0f ms, faults %05x\n", GetParam().name, zero_ms, story.chain->telemetry().faults);
-  EXPECT_NE(story.chain->telemetry().faults & GetParam().fault, 0U) << std::hex << story.chain->telemetry().faults;
+  std::printf("%-24s zero after %5.0f ms, faults %05x\n", GetParam().name, zero_ms, scenario.chain->telemetry().faults);
+  EXPECT_NE(scenario.chain->telemetry().faults & GetParam().fault, 0U)
+      << std::hex << scenario.chain->telemetry().faults;
   EXPECT_LE(zero_ms, GetParam().zero_within_ms);
-  EXPECT_LE(story.plant.supply_V(), 28) << "brake before sleep";
-  story.plant.faults() = {};
-  EXPECT_LE(story.ZeroAfter_ms(kSome_A, 100), 0) << "latched, although its cause is gone";
+  EXPECT_LE(scenario.plant.supply_V(), 28) << "brake before sleep";
+  scenario.plant.faults() = {};
+  EXPECT_LE(scenario.ZeroAfter_ms(kSome_A, 100), 0) << "latched, although its cause is gone";
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -162,43 +163,43 @@ INSTANTIATE_TEST_SUITE_P(
 // Current shrinks from 60 C on; below 1 A the resistance cannot be measured any more, but that current heats nothing.
 TEST(HilChain, ExternalHeatIsMeasuredByResistanceAndDerates) {
   constexpr std::array<float, 3> kMuch_A{0, 0, 8};
-  Scenario story;
-  ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kMuch_A));
-  story.plant.faults().extra_heat_W = {0, 0, 300};
+  Scenario scenario;
+  ASSERT_NO_FATAL_FAILURE(scenario.ArmAndFollow(kMuch_A));
+  scenario.plant.faults().extra_heat_W = {0, 0, 300};
   double warm_A = 0, hot_A = 0;
-  for (int i = 0; i < 10000 && story.plant.temperature_C()[2] < 80; ++i) {
-    story.host->Run(1, kMuch_A);
-    const double current_A = std::abs(story.plant.current_A()[2]);
-    if (story.plant.temperature_C()[2] < 55) warm_A = current_A;
-    if (story.plant.temperature_C()[2] > 75) hot_A = std::max(hot_A, current_A);
+  for (int i = 0; i < 10000 && scenario.plant.temperature_C()[2] < 80; ++i) {
+    scenario.host->Run(1, kMuch_A);
+    const double current_A = std::abs(scenario.plant.current_A()[2]);
+    if (scenario.plant.temperature_C()[2] < 55) warm_A = current_A;
+    if (scenario.plant.temperature_C()[2] > 75) hot_A = std::max(hot_A, current_A);
   }
-  EXPECT_GT(story.plant.temperature_C()[2], 75);
+  EXPECT_GT(scenario.plant.temperature_C()[2], 75);
   EXPECT_GT(warm_A, 7.9);
   EXPECT_LT(hot_A, 1.05);
 }
 
 TEST(HilChain, EndpointZeroServesHelloAndEmergencyStop) {
-  Scenario story;
-  ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A));
+  Scenario scenario;
+  ASSERT_NO_FATAL_FAILURE(scenario.ArmAndFollow(kSome_A));
   std::uint8_t answer[wire::kFrameSizeMax];
-  const int size = story.chain->VendorRequest(drivers::usb::kRequestHello, 0, 0, answer, sizeof answer);
+  const int size = scenario.chain->VendorRequest(drivers::usb::kRequestHello, 0, 0, answer, sizeof answer);
   wire::FrameView view;
   wire::Hello hello;
   ASSERT_EQ(wire::OpenFrame(answer, static_cast<std::size_t>(size), view), wire::Status::kOk);
   EXPECT_EQ(wire::Decode(view, hello), wire::Status::kOk);
-  EXPECT_EQ(story.chain->VendorRequest(99, 0, 0, answer, sizeof answer), -1);
-  EXPECT_EQ(story.chain->VendorRequest(drivers::usb::kRequestEstop, 3, 0, answer, sizeof answer), 0);
-  EXPECT_LE(story.ZeroAfter_ms(kSome_A), kZeroWithin_ms);
-  EXPECT_NE(story.chain->telemetry().faults & wire::kFaultEmergencyStop, 0U);
+  EXPECT_EQ(scenario.chain->VendorRequest(99, 0, 0, answer, sizeof answer), -1);
+  EXPECT_EQ(scenario.chain->VendorRequest(drivers::usb::kRequestEstop, 3, 0, answer, sizeof answer), 0);
+  EXPECT_LE(scenario.ZeroAfter_ms(kSome_A), kZeroWithin_ms);
+  EXPECT_NE(scenario.chain->telemetry().faults & wire::kFaultEmergencyStop, 0U);
 }
 
 TEST(HilChain, ResetRestartsTheBaseAtZeroCurrent) {
-  Scenario story;
-  ASSERT_NO_FATAL_FAILURE(story.ArmAndFollow(kSome_A));
-  ASSERT_TRUE(story.chain->Reset(firmware::ResetCause::kSoftware).ok());
-  EXPECT_LE(story.ZeroAfter_ms(kSome_A), kZeroWithin_ms + 1000) << "the self-test drives about an ampere";
-  EXPECT_TRUE(story.host->WaitFor(wire::State::kIdle, 3000));
-  EXPECT_LT(Largest_A(story.plant), kZero_A);
+  Scenario scenario;
+  ASSERT_NO_FATAL_FAILURE(scenario.ArmAndFollow(kSome_A));
+  ASSERT_TRUE(scenario.chain->Reset(firmware::ResetCause::kSoftware).ok());
+  EXPECT_LE(scenario.ZeroAfter_ms(kSome_A), kZeroWithin_ms + 1000) << "the self-test drives about an ampere";
+  EXPECT_TRUE(scenario.host->WaitFor(wire::State::kIdle, 3000));
+  EXPECT_LT(Largest_A(scenario.plant), kZero_A);
 }
 
 }  // namespace

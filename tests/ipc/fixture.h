@@ -302,12 +302,12 @@ class ForkedClient {
   [[noreturn]] static void Live(const std::string& path, const std::string& application, bool keeper, int to_parent) {
     client::Connection connection(InfoFor(path, application));
     connection.SendSession(protocol::SessionState::kFocused);
-    bool told = !keeper;
+    bool reported = !keeper;
     for (;;) {
       connection.Poll(base::MonotonicNow_ns());
       connection.Beat();
-      if (connection.connected() && !told) {
-        told = true;
+      if (connection.connected() && !reported) {
+        reported = true;
         const pid_t child = ::fork();
         if (child == 0) {
           ::sleep(60);  // ends by itself should the test die

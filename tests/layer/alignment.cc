@@ -153,13 +153,13 @@ TEST_F(Alignment, RecentringKeepsPenInPlaceAndIsReportedToService) {
   EXPECT_LT(DistanceFrom(in_stage, stage), 1e-5) << "before the change";
   EXPECT_LT(DistanceFrom(in_stage, stage, 2 * kDelay_ns), 1e-5) << "a query for a time after it";
   ASSERT_TRUE(app.SyncUntil(*service, [&] { return !service->heard().space_changes.empty(); }));
-  const protocol::SpaceChange told = service->heard().space_changes.front();
-  EXPECT_EQ(told.space, protocol::kSpaceLocal);
-  EXPECT_EQ(told.pose_valid, 1U);
-  EXPECT_NEAR(told.new_in_previous.position_m[0], 0.3, 1e-6);
-  EXPECT_NEAR(told.new_in_previous.orientation_wxyz[0], 0.8, 1e-6);
-  EXPECT_GE(told.changes_at_ns, before_ns + kDelay_ns) << "CLOCK_MONOTONIC, not the runtime's clock";
-  EXPECT_LT(told.changes_at_ns, Now_ns() + kDelay_ns);
+  const protocol::SpaceChange reported = service->heard().space_changes.front();
+  EXPECT_EQ(reported.space, protocol::kSpaceLocal);
+  EXPECT_EQ(reported.pose_valid, 1U);
+  EXPECT_NEAR(reported.new_in_previous.position_m[0], 0.3, 1e-6);
+  EXPECT_NEAR(reported.new_in_previous.orientation_wxyz[0], 0.8, 1e-6);
+  EXPECT_GE(reported.changes_at_ns, before_ns + kDelay_ns) << "CLOCK_MONOTONIC, not the runtime's clock";
+  EXPECT_LT(reported.changes_at_ns, Now_ns() + kDelay_ns);
 
   ASSERT_TRUE(app.SyncUntil(*service, [&] { return Now_ns() > before_ns + kDelay_ns + 20'000'000; }));
   EXPECT_LT(DistanceFrom(in_stage, stage), 1e-5) << "after the change";
@@ -168,7 +168,7 @@ TEST_F(Alignment, RecentringKeepsPenInPlaceAndIsReportedToService) {
   // The service sends what its file holds now: the change is in it, and must not be applied twice.
   const Pose P = layer::FromXr(XrPosef{{0, 0.6f, 0, 0.8f}, {0.3f, -0.1f, 0.2f}});
   protocol::BasePose after = KnownIn(protocol::kSpaceLocal, layer::Compose(layer::Inverse(P), kPlaced));
-  after.changes_until_ns = told.changes_at_ns;
+  after.changes_until_ns = reported.changes_at_ns;
   after.rotation_sigma_rad = 0.01;
   service->SetBasePose(after);
   for (int i = 0; i < 20; ++i) {

@@ -67,16 +67,16 @@ TEST(LoopBall, TipLedAroundEdgesIsNeverPushedDeeper) {
   const haptics::Scene cube = CubeForABall();
   for (const auto& [inset_m, down_m] : {std::pair{0.0, 0.001}, {0.001, 0.005}}) {
     const std::uint64_t seed = inset_m > 0 ? 5 : 1;
-    Scenario story(AroundTheUpperEdges(inset_m, down_m), kStart_s + kEdges * kEdge_s, seed);
+    Scenario scenario(AroundTheUpperEdges(inset_m, down_m), kStart_s + kEdges * kEdge_s, seed);
     double worst_N = 0;
     int felt_ms = 0, inside_ms = 0, run_ms = 0, longest_ms = 0;
-    while (story.Step(cube)) {
-      const double inwards_N = Inwards_N(story.output.tool.device_point_base_m, story.output.wrench.force_N);
+    while (scenario.Step(cube)) {
+      const double inwards_N = Inwards_N(scenario.output.tool.device_point_base_m, scenario.output.wrench.force_N);
       worst_N = std::max(worst_N, inwards_N);
       run_ms = inwards_N > 0.02 ? run_ms + 1 : 0;
       longest_ms = std::max(longest_ms, run_ms);
-      felt_ms += story.force_N() > 0.05 ? 1 : 0;
-      inside_ms += IsInCube(CentreOf(story.state.haptics)) ? 1 : 0;
+      felt_ms += scenario.force_N() > 0.05 ? 1 : 0;
+      inside_ms += IsInCube(CentreOf(scenario.state.haptics)) ? 1 : 0;
     }
     EXPECT_GT(felt_ms, 2500);
     EXPECT_EQ(inside_ms, 0) << inset_m;

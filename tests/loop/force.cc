@@ -20,10 +20,10 @@ sim::HandScript HoldStill() {
 
 // Commands of an owner that pushes: `Scenario::Open` plus this.
 struct PushScenario {
-  explicit PushScenario(double seconds, const sim::HandScript& script = HoldStill()) : story(script, seconds) {}
+  explicit PushScenario(double seconds, const sim::HandScript& script = HoldStill()) : scenario(script, seconds) {}
 
   bool Step() {
-    return story.Step(nothing, [this](const base::HallScan& scan) {
+    return scenario.Step(nothing, [this](const base::HallScan& scan) {
       loop::Commands commands = Scenario::Open(scan);
       commands.applied = applied;
       now_ns = scan.t_ns;
@@ -49,7 +49,7 @@ struct PushScenario {
   }
 
   const haptics::Scene nothing;
-  Scenario story;
+  Scenario scenario;
   haptics::AppliedCommand applied;
   std::int64_t now_ns = 0;
 };
@@ -57,18 +57,18 @@ struct PushScenario {
 TEST(LoopForce, AppliedForceReachesTheCoilsAndEnds) {
   PushScenario push(1.5);
   push.Run(600);  // found, gate open
-  ASSERT_EQ(push.story.current_A(), 0);
+  ASSERT_EQ(push.scenario.current_A(), 0);
   push.Push({0.3, -0.2, 0.4}, 80);
   push.Run(40);
-  const base::Vec3& f = push.story.output.wrench.force_N;
+  const base::Vec3& f = push.scenario.output.wrench.force_N;
   EXPECT_NEAR(f.x, 0.3, 1e-9);
   EXPECT_NEAR(f.y, -0.2, 1e-9);
   EXPECT_NEAR(f.z, 0.4, 1e-9);
-  EXPECT_GT(push.story.current_A(), 0.1);
-  EXPECT_FALSE(push.story.output.saturated);
+  EXPECT_GT(push.scenario.current_A(), 0.1);
+  EXPECT_FALSE(push.scenario.output.saturated);
   push.Run(40);
   int ms = 0;
-  for (; ms < 60 && push.story.current_A() != 0; ++ms) ASSERT_TRUE(push.Step());
+  for (; ms < 60 && push.scenario.current_A() != 0; ++ms) ASSERT_TRUE(push.Step());
   EXPECT_LE(ms, 25) << "after the deadman's end";
 }
 
@@ -77,12 +77,12 @@ TEST(LoopForce, ExcessiveForceIsScaledAlongItsDirection) {
   push.Run(600);
   push.Push({30, 0, 40}, 80);
   push.Run(40);
-  const base::Vec3& f = push.story.output.wrench.force_N;
-  EXPECT_TRUE(push.story.output.saturated || push.story.force_N() <= 2.0 + 1e-9);
-  EXPECT_LE(push.story.force_N(), 2.0 + 1e-9);
-  EXPECT_GT(push.story.force_N(), 0.1);
-  EXPECT_NEAR(f.x / push.story.force_N(), 0.6, 1e-6);
-  EXPECT_NEAR(f.z / push.story.force_N(), 0.8, 1e-6);
+  const base::Vec3& f = push.scenario.output.wrench.force_N;
+  EXPECT_TRUE(push.scenario.output.saturated || push.scenario.force_N() <= 2.0 + 1e-9);
+  EXPECT_LE(push.scenario.force_N(), 2.0 + 1e-9);
+  EXPECT_GT(push.scenario.force_N(), 0.1);
+  EXPECT_NEAR(f.x / push.scenario.force_N(), 0.6, 1e-6);
+  EXPECT_NEAR(f.z / push.scenario.force_N(), 0.8, 1e-6);
 }
 
 TEST(LoopForce, StuckControlThreadEndsTheForce) {
@@ -91,11 +91,11 @@ TEST(LoopForce, StuckControlThreadEndsTheForce) {
   push.Set(
       {.kind = haptics::ConstraintKind::kPoint, .stiffness_N_m = 100, .max_force_N = 1, .point_base_m = {0, 0, 0.060}});
   push.Run(300);
-  ASSERT_GT(push.story.force_N(), 0.1);
+  ASSERT_GT(push.scenario.force_N(), 0.1);
   int ms = 0;
   const std::int64_t written_ns = push.now_ns;
-  for (; ms < 100 && push.story.current_A() != 0; ++ms) {
-    ASSERT_TRUE(push.story.Step(push.nothing, [&](const base::HallScan& scan) {
+  for (; ms < 100 && push.scenario.current_A() != 0; ++ms) {
+    ASSERT_TRUE(push.scenario.Step(push.nothing, [&](const base::HallScan& scan) {
       loop::Commands commands = Scenario::Open(scan);
       commands.applied = push.applied;
       commands.t_ns = written_ns;
@@ -110,24 +110,24 @@ TEST(LoopForce, DeviceFaultEndsTheForce) {
   push.Run(600);
   push.Push({0.5, 0, 0}, 100);
   push.Run(30);
-  ASSERT_GT(push.story.current_A(), 0.1);
-  base::HallScan scan = push.story.scan;
+  ASSERT_GT(push.scenario.current_A(), 0.1);
+  base::HallScan scan = push.scenario.scan;
   for (int i = 0; i < 20; ++i) {
     scan.t_ns += base::kTickPeriod_ns;
     scan.device_faults = 1;
     loop::Commands commands = Scenario::Open(scan);
     commands.applied = push.applied;
-    loop::Tick(push.story.config, scan, commands, push.nothing, push.story.state, push.story.output);
+    loop::Tick(push.scenario.config, scan, commands, push.nothing, push.scenario.state, push.scenario.output);
   }
-  EXPECT_EQ(push.story.current_A(), 0);
-  EXPECT_FALSE(push.story.output.applied.acts);
+  EXPECT_EQ(push.scenario.current_A(), 0);
+  EXPECT_FALSE(push.scenario.output.applied.acts);
 }
 
 // The twin's hand holds the pen by a spring: a constraint pulls it towards its point, and it does not oscillate there.
 TEST(LoopForce, ConstraintPullsTheHandWithoutOscillation) {
   PushScenario push(4.0);
   push.Run(800);
-  const base::Vec3 rest = push.story.output.tool.device_point_base_m;
+  const base::Vec3 rest = push.scenario.output.tool.device_point_base_m;
   push.Set({.kind = haptics::ConstraintKind::kPoint,
             .stiffness_N_m = 5000,
             .damping_Ns_m = 1,
@@ -137,13 +137,13 @@ TEST(LoopForce, ConstraintPullsTheHandWithoutOscillation) {
   double highest = -1, lowest = 1;
   for (int i = 0; i < 500; ++i) {
     push.Run(1);
-    highest = std::max(highest, push.story.output.tool.device_point_base_m.z);
-    lowest = std::min(lowest, push.story.output.tool.device_point_base_m.z);
+    highest = std::max(highest, push.scenario.output.tool.device_point_base_m.z);
+    lowest = std::min(lowest, push.scenario.output.tool.device_point_base_m.z);
   }
   EXPECT_GT(0.5 * (highest + lowest), rest.z + 0.0003) << "it was pulled upwards";
   EXPECT_LT(highest - lowest, 0.001) << "and does not oscillate";
-  EXPECT_TRUE(push.story.output.applied.stiffness_limited) << "5000 N/m are not possible";
-  EXPECT_EQ(push.story.output.applied.energy_gain, 1);
+  EXPECT_TRUE(push.scenario.output.applied.stiffness_limited) << "5000 N/m are not possible";
+  EXPECT_EQ(push.scenario.output.applied.energy_gain, 1);
 }
 
 TEST(LoopForce, NoCurrentWithoutAForceRequest) {
@@ -151,7 +151,7 @@ TEST(LoopForce, NoCurrentWithoutAForceRequest) {
   push.applied.open = true;
   for (int i = 0; i < 900; ++i) {
     push.Run(1);
-    ASSERT_EQ(push.story.current_A(), 0);
+    ASSERT_EQ(push.scenario.current_A(), 0);
   }
 }
 

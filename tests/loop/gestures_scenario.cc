@@ -21,19 +21,19 @@ struct Counts {
 
 Counts Play(const sim::HandScript& script, std::uint64_t seed, double stiffness_N_m = 400) {
   const haptics::Scene table = TableScene(kTableTop_m, stiffness_N_m);
-  Scenario story(script, script.duration_s(), seed);
+  Scenario scenario(script, script.duration_s(), seed);
   Counts counts;
   base::SourceMask before = 0;
-  while (story.Step(table)) {
-    const base::SourceMask rose = story.output.sources & ~before;
-    before = story.output.sources;
+  while (scenario.Step(table)) {
+    const base::SourceMask rose = scenario.output.sources & ~before;
+    before = scenario.output.sources;
     const auto count = [rose](InputSource source) { return (rose & Bit(source)) != 0 ? 1 : 0; };
     counts.taps += count(InputSource::kTap);
     counts.doubles += count(InputSource::kDoubleTap);
     counts.presses += count(InputSource::kPress);
     counts.detents += count(InputSource::kDetent);
     counts.flicks += count(InputSource::kFlick) + count(InputSource::kFlickAxial);
-    counts.peak_N = std::max(counts.peak_N, story.force_N());
+    counts.peak_N = std::max(counts.peak_N, scenario.force_N());
   }
   return counts;
 }
@@ -101,22 +101,22 @@ TEST(GestureScenario, PressingHardClicksOnceAndRendersTheDetent) {
   script.waypoints.push_back({.duration_s = 0.8, .tip_base_m = {0, 0, kTableTop_m - 0.012}});
   script.waypoints.push_back({.duration_s = 0.6, .tip_base_m = {0, 0, kAbove_m}});
   const haptics::Scene table = TableScene(kTableTop_m);
-  Scenario story(script, script.duration_s());
+  Scenario scenario(script, script.duration_s());
   double felt_N = 0;
   int clicks = 0;
   bool before = false;
-  while (story.Step(table)) {
-    const bool on = (story.output.sources & Bit(InputSource::kDetent)) != 0;
+  while (scenario.Step(table)) {
+    const bool on = (scenario.output.sources & Bit(InputSource::kDetent)) != 0;
     clicks += on && !before ? 1 : 0;
     before = on;
-    if (story.state.detent.time_s < loop::kDetentPulse_s) {
-      felt_N = std::max(felt_N, story.output.haptics.force_base_N.z - story.output.wrench.force_N.z);
+    if (scenario.state.detent.time_s < loop::kDetentPulse_s) {
+      felt_N = std::max(felt_N, scenario.output.haptics.force_base_N.z - scenario.output.wrench.force_N.z);
     }
   }
   EXPECT_EQ(clicks, 1);
   EXPECT_GT(felt_N, 0.08) << "the surface yields, in the commanded force";
   const base::InputValue& squeeze =
-      story.output.inputs.components[static_cast<std::size_t>(base::InputComponent::kSqueeze)];
+      scenario.output.inputs.components[static_cast<std::size_t>(base::InputComponent::kSqueeze)];
   EXPECT_EQ(squeeze.press_count, 1U);
   EXPECT_EQ(squeeze.release_count, 1U);
 }

@@ -48,35 +48,35 @@ TEST(Quiet, TickNeverAllocates) {
   sim::HandScript script = PressAndSlide();
   script.waypoints.push_back({.duration_s = 0.3, .tip_base_m = {0, 0, 0.07}, .present = false});
   script.waypoints.push_back({.duration_s = 0.3, .tip_base_m = {0, 0, 0.07}});
-  Scenario story(script, 4.6);
+  Scenario scenario(script, 4.6);
   std::set<std::string> situations;
   const haptics::Scene* scene = &table;
-  while (story.twin->Read(story.scan, 0) == device::ReadStatus::kScan) {
-    loop::Commands commands = Scenario::Open(story.scan);
-    if (story.state.tick < 50) commands.gate = loop::ForceGate::kClosed;
-    commands.scene_generation = story.state.tick < 1800 ? 1 : 2;
-    if (story.state.tick > 2500) commands.haptic = {.id = 1, .active = true, .duration_s = 0.1, .amplitude = 0.5};
-    const bool first = story.state.tick == 0;
+  while (scenario.twin->Read(scenario.scan, 0) == device::ReadStatus::kScan) {
+    loop::Commands commands = Scenario::Open(scenario.scan);
+    if (scenario.state.tick < 50) commands.gate = loop::ForceGate::kClosed;
+    commands.scene_generation = scenario.state.tick < 1800 ? 1 : 2;
+    if (scenario.state.tick > 2500) commands.haptic = {.id = 1, .active = true, .duration_s = 0.1, .amplitude = 0.5};
+    const bool first = scenario.state.tick == 0;
     const loop::AllocProbe probe;
-    if (first) loop::EnterScene(*scene, 1, story.state);
-    loop::Tick(story.config, story.scan, commands, *scene, story.state, story.output);
-    if (story.output.wants_scene) {
+    if (first) loop::EnterScene(*scene, 1, scenario.state);
+    loop::Tick(scenario.config, scenario.scan, commands, *scene, scenario.state, scenario.output);
+    if (scenario.output.wants_scene) {
       scene = &other;
-      loop::EnterScene(*scene, 2, story.state);
+      loop::EnterScene(*scene, 2, scenario.state);
     }
-    ASSERT_EQ(probe.count(), 0U) << "tick " << story.state.tick;
-    story.twin->Write(story.output.currents);
+    ASSERT_EQ(probe.count(), 0U) << "tick " << scenario.state.tick;
+    scenario.twin->Write(scenario.output.currents);
 
-    const auto& tool = story.output.tool;
+    const auto& tool = scenario.output.tool;
     if (first) situations.insert("cold start");
-    if (story.state.gate == 0) situations.insert("idle");
-    if (story.output.haptics.in_contact) situations.insert("contact");
-    if (story.output.haptics.contact_count > 0 && story.output.haptics.contacts[0].tangential_force_N > 0.02) {
+    if (scenario.state.gate == 0) situations.insert("idle");
+    if (scenario.output.haptics.in_contact) situations.insert("contact");
+    if (scenario.output.haptics.contact_count > 0 && scenario.output.haptics.contacts[0].tangential_force_N > 0.02) {
       situations.insert("friction");
     }
-    if (story.output.wants_scene) situations.insert("scene swap");
+    if (scenario.output.wants_scene) situations.insert("scene swap");
     if (tool.status == base::TrackingStatus::kAbsent && tool.ever_tracked) situations.insert("tracking loss");
-    if (story.state.vibration.playing) situations.insert("vibration");
+    if (scenario.state.vibration.playing) situations.insert("vibration");
   }
   EXPECT_EQ(situations, (std::set<std::string>{"cold start", "idle", "contact", "friction", "scene swap",
                                                "tracking loss", "vibration"}));

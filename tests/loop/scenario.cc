@@ -15,18 +15,18 @@ constexpr double kSlewTolerance = 1.05;
 
 TEST(LoopScenario, PenIsTrackedAndPushedBackByATable) {
   const haptics::Scene table = TableScene(kTableTop_m);
-  Scenario story(PressAndSlide(), 4.0);
+  Scenario scenario(PressAndSlide(), 4.0);
   int contact = 0;
   int tracked = 0;
   int ticks = 0;
   double peak_N = 0;
   double up_N = 0;
-  while (story.Step(table)) {
+  while (scenario.Step(table)) {
     ++ticks;
-    tracked += story.output.tool.status == base::TrackingStatus::kTracking ? 1 : 0;
-    contact += story.force_N() > 0.01 ? 1 : 0;
-    peak_N = std::max(peak_N, story.force_N());
-    if (story.force_N() > 0.1) up_N += story.output.wrench.force_N.z;
+    tracked += scenario.output.tool.status == base::TrackingStatus::kTracking ? 1 : 0;
+    contact += scenario.force_N() > 0.01 ? 1 : 0;
+    peak_N = std::max(peak_N, scenario.force_N());
+    if (scenario.force_N() > 0.1) up_N += scenario.output.wrench.force_N.z;
   }
   EXPECT_EQ(ticks, 4000);
   EXPECT_GT(tracked, 3980);
@@ -34,7 +34,7 @@ TEST(LoopScenario, PenIsTrackedAndPushedBackByATable) {
   EXPECT_GT(peak_N, 0.3);
   EXPECT_LE(peak_N, 2.0 + 1e-9);
   EXPECT_GT(up_N, 0);
-  const auto& select = story.output.inputs.components[static_cast<std::size_t>(base::InputComponent::kSelect)];
+  const auto& select = scenario.output.inputs.components[static_cast<std::size_t>(base::InputComponent::kSelect)];
   EXPECT_GE(select.press_count, 1U);
   EXPECT_EQ(select.press_count, select.release_count);
 }
@@ -42,13 +42,13 @@ TEST(LoopScenario, PenIsTrackedAndPushedBackByATable) {
 // A hand holds the pen still, first above the table and then on it. Only in the air may it be classified as at rest.
 TEST(LoopScenario, PenInContactIsNotClassifiedAsAtRest) {
   const haptics::Scene table = TableScene(kTableTop_m);
-  Scenario story(PressAndSlide(), 2.3);
-  const auto at_rest = [&] { return story.state.tracker.filter.motions.likely[tracker::kAtRest]; };
+  Scenario scenario(PressAndSlide(), 2.3);
+  const auto at_rest = [&] { return scenario.state.tracker.filter.motions.likely[tracker::kAtRest]; };
   double in_air = 0, in_touch = 0;
-  while (story.Step(table)) {
-    const bool in_touch_long = story.state.tick > 1900 && story.force_N() > 0.1;
+  while (scenario.Step(table)) {
+    const bool in_touch_long = scenario.state.tick > 1900 && scenario.force_N() > 0.1;
     if (in_touch_long) in_touch = std::max(in_touch, at_rest());
-    if (story.force_N() == 0) in_air = std::max(in_air, at_rest());
+    if (scenario.force_N() == 0) in_air = std::max(in_air, at_rest());
   }
   EXPECT_GT(in_air, 0.5);
   EXPECT_LT(in_touch, 1e-3);
@@ -56,31 +56,31 @@ TEST(LoopScenario, PenInContactIsNotClassifiedAsAtRest) {
 
 TEST(LoopScenario, NoCurrentWithoutAnOwner) {
   const haptics::Scene table = TableScene(kTableTop_m);
-  Scenario story(PressAndSlide(), 2.5);
+  Scenario scenario(PressAndSlide(), 2.5);
   const auto closed = [](const base::HallScan& scan) {
     loop::Commands commands = Scenario::Open(scan);
     commands.gate = loop::ForceGate::kClosed;
     return commands;
   };
-  while (story.Step(table, closed)) ASSERT_EQ(story.current_A(), 0);
+  while (scenario.Step(table, closed)) ASSERT_EQ(scenario.current_A(), 0);
 }
 
 TEST(LoopScenario, NoCurrentWithoutAScene) {
   const haptics::Scene nothing;
-  Scenario story(PressAndSlide(), 2.5);
-  while (story.Step(nothing)) ASSERT_EQ(story.current_A(), 0);
+  Scenario scenario(PressAndSlide(), 2.5);
+  while (scenario.Step(nothing)) ASSERT_EQ(scenario.current_A(), 0);
 }
 
 // Runs into the hold phase with the gate open, then lets `commands` rule; returns ms until the currents are zero.
 double MillisecondsToZero(const std::function<loop::Commands(const base::HallScan&)>& after) {
   const haptics::Scene table = TableScene(kTableTop_m);
-  Scenario story(PressAndSlide(), 2.3);
-  while (story.scan.sequence == 0 || story.state.tick < 1900) {
-    if (!story.Step(table)) return -1;
+  Scenario scenario(PressAndSlide(), 2.3);
+  while (scenario.scan.sequence == 0 || scenario.state.tick < 1900) {
+    if (!scenario.Step(table)) return -1;
   }
-  if (!(story.current_A() > 0.5)) return -2;  // it must be pushing
-  for (int ms = 0; story.Step(table, after); ++ms) {
-    if (story.current_A() == 0) return ms;
+  if (!(scenario.current_A() > 0.5)) return -2;  // it must be pushing
+  for (int ms = 0; scenario.Step(table, after); ++ms) {
+    if (scenario.current_A() == 0) return ms;
   }
   return -3;
 }
@@ -117,49 +117,49 @@ TEST(LoopScenario, ForceFadesIfTheControlThreadIsStuck) {
 
 TEST(LoopScenario, DeviceFaultZeroesTheCurrent) {
   const haptics::Scene table = TableScene(kTableTop_m);
-  Scenario story(PressAndSlide(), 2.3);
-  while (story.state.tick < 1900 && story.Step(table)) {
+  Scenario scenario(PressAndSlide(), 2.3);
+  while (scenario.state.tick < 1900 && scenario.Step(table)) {
   }
-  ASSERT_GT(story.current_A(), 0.5);
-  base::HallScan scan = story.scan;
+  ASSERT_GT(scenario.current_A(), 0.5);
+  base::HallScan scan = scenario.scan;
   for (int i = 0; i < 20; ++i) {
     scan.t_ns += base::kTickPeriod_ns;
     scan.device_faults = 1;
-    loop::Tick(story.config, scan, Scenario::Open(scan), table, story.state, story.output);
+    loop::Tick(scenario.config, scan, Scenario::Open(scan), table, scenario.state, scenario.output);
   }
-  EXPECT_EQ(story.current_A(), 0);
-  EXPECT_TRUE(story.output.faults & loop::kFaultDevice);
+  EXPECT_EQ(scenario.current_A(), 0);
+  EXPECT_TRUE(scenario.output.faults & loop::kFaultDevice);
 }
 
 TEST(LoopScenario, SceneSwapRampsThroughZero) {
   const haptics::Scene first = TableScene(kTableTop_m);
   const haptics::Scene second = TableScene(kTableTop_m - 0.002);
-  Scenario story(PressAndSlide(), 2.3);
-  while (story.state.tick < 1900 && story.Step(first)) {
+  Scenario scenario(PressAndSlide(), 2.3);
+  while (scenario.state.tick < 1900 && scenario.Step(first)) {
   }
-  ASSERT_GT(story.force_N(), 0.1);
+  ASSERT_GT(scenario.force_N(), 0.1);
   const auto swap = [](const base::HallScan& scan) {
     loop::Commands commands = Scenario::Open(scan);
     commands.scene_generation = 2;
     return commands;
   };
   bool asked = false;
-  base::Vec3 last = story.output.wrench.force_N;
+  base::Vec3 last = scenario.output.wrench.force_N;
   bool through_zero = false;
-  while (story.Step(asked ? second : first, swap)) {
-    const base::Vec3& f = story.output.wrench.force_N;
+  while (scenario.Step(asked ? second : first, swap)) {
+    const base::Vec3& f = scenario.output.wrench.force_N;
     const double step_N = Distance(f, last);
-    ASSERT_LE(step_N, 0.85 * kSlewTolerance) << story.state.tick;
+    ASSERT_LE(step_N, 0.85 * kSlewTolerance) << scenario.state.tick;
     last = f;
-    through_zero = through_zero || story.force_N() == 0;
-    if (story.output.wants_scene && !asked) {
-      loop::EnterScene(second, 2, story.state);
+    through_zero = through_zero || scenario.force_N() == 0;
+    if (scenario.output.wants_scene && !asked) {
+      loop::EnterScene(second, 2, scenario.state);
       asked = true;
     }
   }
   EXPECT_TRUE(asked);
   EXPECT_TRUE(through_zero);
-  EXPECT_GT(story.force_N(), 0.05);  // the second table is rendered
+  EXPECT_GT(scenario.force_N(), 0.05);  // the second table is rendered
 }
 
 TEST(LoopScenario, AbsentPenGetsNoForceAndIsTrackedAgain) {
@@ -167,14 +167,14 @@ TEST(LoopScenario, AbsentPenGetsNoForceAndIsTrackedAgain) {
   script.waypoints.insert(script.waypoints.begin() + 4,
                           {.duration_s = 0.5, .tip_base_m = {0, 0, kTableTop_m + 0.01}, .present = false});
   const haptics::Scene table = TableScene(kTableTop_m);
-  Scenario story(script, 4.4);
+  Scenario scenario(script, 4.4);
   int absent = 0;
   int tracked_after = 0;
-  while (story.Step(table)) {
-    const bool tracking = story.output.tool.status == base::TrackingStatus::kTracking;
-    if (story.output.tool.status == base::TrackingStatus::kAbsent && story.state.tick > 2400) {
+  while (scenario.Step(table)) {
+    const bool tracking = scenario.output.tool.status == base::TrackingStatus::kTracking;
+    if (scenario.output.tool.status == base::TrackingStatus::kAbsent && scenario.state.tick > 2400) {
       ++absent;
-      ASSERT_LT(story.force_N(), 1e-12);
+      ASSERT_LT(scenario.force_N(), 1e-12);
     }
     if (absent > 0 && tracking) ++tracked_after;
   }
@@ -184,7 +184,7 @@ TEST(LoopScenario, AbsentPenGetsNoForceAndIsTrackedAgain) {
 
 TEST(LoopScenario, HapticWaveformIsRenderedCountedOnceAndEnds) {
   const haptics::Scene nothing;
-  Scenario story(PressAndSlide(), 1.0);
+  Scenario scenario(PressAndSlide(), 1.0);
   int felt = 0;
   const auto pulse = [](const base::HallScan& scan) {
     loop::Commands commands = Scenario::Open(scan);
@@ -193,16 +193,16 @@ TEST(LoopScenario, HapticWaveformIsRenderedCountedOnceAndEnds) {
     }
     return commands;
   };
-  while (story.Step(nothing, pulse)) felt += story.current_A() > 0.1 ? 1 : 0;
-  EXPECT_EQ(story.output.haptic_pulses, 1U);
+  while (scenario.Step(nothing, pulse)) felt += scenario.current_A() > 0.1 ? 1 : 0;
+  EXPECT_EQ(scenario.output.haptic_pulses, 1U);
   EXPECT_GT(felt, 30);
   EXPECT_LT(felt, 70);
-  EXPECT_EQ(story.current_A(), 0);
+  EXPECT_EQ(scenario.current_A(), 0);
 }
 
 TEST(LoopScenario, GarbageScansKeepCurrentsFiniteAndBounded) {
   const haptics::Scene table = TableScene(kTableTop_m);
-  Scenario story(PressAndSlide(), 3.0);
+  Scenario scenario(PressAndSlide(), 3.0);
   std::uint64_t random = 88172645463325252ULL;
   const auto next = [&] {
     random ^= random << 13;
@@ -210,9 +210,9 @@ TEST(LoopScenario, GarbageScansKeepCurrentsFiniteAndBounded) {
     random ^= random << 17;
     return random;
   };
-  while (story.Step(table)) {
+  while (scenario.Step(table)) {
     if (next() % 5 != 0) continue;
-    base::HallScan bad = story.scan;
+    base::HallScan bad = scenario.scan;
     const double nasty[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300,
                             -1, 0};
     for (int i = 0; i < 4; ++i) {
@@ -221,12 +221,12 @@ TEST(LoopScenario, GarbageScansKeepCurrentsFiniteAndBounded) {
       bad.coil_temperature_C[next() % 3] = nasty[next() % 5];
     }
     bad.t_ns += static_cast<std::int64_t>(next() % 4'000'000) - 2'000'000;
-    loop::Tick(story.config, bad, Scenario::Open(bad), table, story.state, story.output);
-    for (const double i : story.output.currents.current_A) {
+    loop::Tick(scenario.config, bad, Scenario::Open(bad), table, scenario.state, scenario.output);
+    for (const double i : scenario.output.currents.current_A) {
       ASSERT_TRUE(std::isfinite(i));
-      ASSERT_LE(std::abs(i), story.config.actuation.current_max_A * (1 + 1e-9));
+      ASSERT_LE(std::abs(i), scenario.config.actuation.current_max_A * (1 + 1e-9));
     }
-    ASSERT_LE(story.force_N(), 2.0 + 1e-9);
+    ASSERT_LE(scenario.force_N(), 2.0 + 1e-9);
   }
 }
 

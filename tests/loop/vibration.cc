@@ -172,20 +172,20 @@ TEST(Vibration, BandwidthMatchesDocumentation) {
 // The whole loop: contact and PCM together stay within what the coils can do, and PCM alone is what was requested.
 TEST(VibrationScenario, PcmAddsToContactWithinTheSameLimits) {
   const haptics::Scene table = test::TableScene(test::kTableTop_m);
-  test::Scenario story(test::PressAndSlide(), 4.0);
+  test::Scenario scenario(test::PressAndSlide(), 4.0);
   std::vector<float> values(4000);
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = static_cast<float>(std::sin(2 * std::numbers::pi * 120 * 1e-3 * static_cast<double>(i)));
   }
   const auto samples = Samples(5, values);
-  story.feeds.samples = samples.get();
+  scenario.feeds.samples = samples.get();
   int alone = 0, with_contact = 0;
-  while (story.Step(table, [&](const base::HallScan& scan) {
+  while (scenario.Step(table, [&](const base::HallScan& scan) {
     Commands commands = test::Scenario::Open(scan);
     commands.haptic = {.id = 5, .active = true, .kind = VibrationKind::kPcm};
     return commands;
   })) {
-    const TickOutput& o = story.output;
+    const TickOutput& o = scenario.output;
     for (const double current_A : o.currents.current_A) {
       ASSERT_TRUE(std::abs(current_A) <= config::DefaultDevice().current_max_A + 1e-9) << o.tick;
     }
@@ -196,7 +196,7 @@ TEST(VibrationScenario, PcmAddsToContactWithinTheSameLimits) {
     if (o.gate < 1 || o.haptics.force_base_N != base::Vec3{} || o.tick >= values.size()) continue;
     const base::Vec3 u = o.tool.axis_base;
     const double felt_N = o.wrench.force_N.x * u.x + o.wrench.force_N.y * u.y + o.wrench.force_N.z * u.z;
-    const double asked_N = story.config.vibration.force_N * static_cast<double>(values[o.tick]);
+    const double asked_N = scenario.config.vibration.force_N * static_cast<double>(values[o.tick]);
     ASSERT_LE(std::abs(felt_N), std::abs(asked_N) + 1e-9) << o.tick;
     alone += std::abs(felt_N - asked_N) < 1e-6 ? 1 : 0;
   }

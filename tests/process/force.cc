@@ -98,10 +98,10 @@ TEST(ProcessForce, LosingFocusEndsForceAndConstraint) {
 class ForkedPusher : public Forked {
  public:
   ForkedPusher(const ServiceProcess& service, bool pushes)
-      : Forked([&](const Tell& tell) {
+      : Forked([&](const Report& report) {
           ForceApplication app(service);
           const bool felt = app.Claim() && (pushes ? app.PushUntilFelt() : app.Hold() && app.WaitForForce(0.5));
-          tell(felt ? 1 : 0);
+          report(felt ? 1 : 0);
           app.Run(30'000, 5, [&] {
             if (pushes) app.Push(100'000'000);
             return false;
@@ -112,7 +112,7 @@ class ForkedPusher : public Forked {
 void ExpectKillEndsTheForce(bool pushes, const char* what) {
   ForceProcess service;
   ForkedPusher app(service, pushes);
-  ASSERT_EQ(app.told(), 1);
+  ASSERT_EQ(app.reported(), 1);
   SleepMs(100);
   const std::int64_t killed_ns = base::MonotonicNow_ns();
   app.Kill();
@@ -134,7 +134,7 @@ TEST(ProcessForce, KilledApplicationEndsTheConstraint) {
 TEST(ProcessForce, SilentApplicationEndsTheConstraint) {
   ForceProcess service;
   ForkedPusher app(service, false);
-  ASSERT_EQ(app.told(), 1);
+  ASSERT_EQ(app.reported(), 1);
   SleepMs(100);
   const std::int64_t stopped_ns = base::MonotonicNow_ns();
   app.Stop();

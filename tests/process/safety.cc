@@ -48,9 +48,9 @@ TEST(ProcessSafety, ApplicationReconnectsAfterServiceRestart) {
 class ForkedApplication : public Forked {
  public:
   explicit ForkedApplication(const ServiceProcess& service)
-      : Forked([&](const Tell& tell) {
+      : Forked([&](const Report& report) {
           TestApplication app(service);
-          tell(app.Focus() && app.WaitForForce(kPushing_N) ? 1 : 0);
+          report(app.Focus() && app.WaitForForce(kPushing_N) ? 1 : 0);
           app.Run(30'000, 5);
         }) {}
 };
@@ -59,7 +59,7 @@ TEST(ProcessSafety, KilledApplicationZeroesCoilsWithin50Milliseconds) {
   ServiceProcess service;
   service.Start();
   ForkedApplication app(service);
-  ASSERT_EQ(app.told(), 1);
+  ASSERT_EQ(app.reported(), 1);
   const std::int64_t killed_ns = base::MonotonicNow_ns();
   app.Kill();
   SleepMs(500);
@@ -72,7 +72,7 @@ TEST(ProcessSafety, StoppedApplicationForceFadesAfter250Milliseconds) {
   ServiceProcess service;
   service.Start();
   ForkedApplication app(service);
-  ASSERT_EQ(app.told(), 1);
+  ASSERT_EQ(app.reported(), 1);
   const std::int64_t stopped_ns = base::MonotonicNow_ns();
   app.Stop();
   SleepMs(900);

@@ -44,9 +44,9 @@ TEST(SampleRange, AcceptsDefaultsAndOrdinarySamples) {
 
 TEST(SampleRange, SampleInRangeIsUnchanged) {
   const ToolSample sample = GoodSample();
-  const ToolSample tamed = Clamped(sample);
-  EXPECT_EQ(tamed.position_base_m, sample.position_base_m);
-  EXPECT_EQ(tamed.flags, sample.flags);
+  const ToolSample clamped = Clamped(sample);
+  EXPECT_EQ(clamped.position_base_m, sample.position_base_m);
+  EXPECT_EQ(clamped.flags, sample.flags);
 }
 
 TEST(SampleRange, InvalidSampleLosesItsPose) {
@@ -54,10 +54,10 @@ TEST(SampleRange, InvalidSampleLosesItsPose) {
     ToolSample sample = GoodSample();
     spoil(sample);
     EXPECT_FALSE(InRange(sample));
-    const ToolSample tamed = Clamped(sample);
-    EXPECT_TRUE(InRange(tamed));
-    EXPECT_EQ(tamed.flags, kToolAligned);
-    EXPECT_EQ(tamed.t_ns, sample.t_ns);
+    const ToolSample clamped = Clamped(sample);
+    EXPECT_TRUE(InRange(clamped));
+    EXPECT_EQ(clamped.flags, kToolAligned);
+    EXPECT_EQ(clamped.t_ns, sample.t_ns);
   }
 }
 
@@ -66,10 +66,10 @@ TEST(SampleRange, NonFiniteGapOrSigmaIsClampedAndKeepsThePose) {
   sample.gap_m = kInfinite;
   sample.position_sigma_m = kNan;
   EXPECT_FALSE(InRange(sample));
-  const ToolSample tamed = Clamped(sample);
-  EXPECT_EQ(tamed.gap_m, kLargestValue);
-  EXPECT_EQ(tamed.position_sigma_m, kLargestValue);
-  EXPECT_EQ(tamed.flags, sample.flags);
+  const ToolSample clamped = Clamped(sample);
+  EXPECT_EQ(clamped.gap_m, kLargestValue);
+  EXPECT_EQ(clamped.position_sigma_m, kLargestValue);
+  EXPECT_EQ(clamped.flags, sample.flags);
 }
 
 TEST(SampleRange, FlagsAndTimesAreBounded) {
@@ -94,12 +94,12 @@ TEST(SampleRange, InputsAreClamped) {
   inputs.components[3].t_change_ns = -5;
   inputs.components[3].press_count = 4;
   EXPECT_FALSE(InRange(inputs));
-  const InputSnapshot tamed = Clamped(inputs);
-  EXPECT_TRUE(InRange(tamed));
-  EXPECT_EQ(tamed.components[0].value, 0);
-  EXPECT_EQ(tamed.components[1].value, 1);
-  EXPECT_EQ(tamed.components[2].value, -1);
-  EXPECT_EQ(tamed.components[3].press_count, 4u);
+  const InputSnapshot clamped = Clamped(inputs);
+  EXPECT_TRUE(InRange(clamped));
+  EXPECT_EQ(clamped.components[0].value, 0);
+  EXPECT_EQ(clamped.components[1].value, 1);
+  EXPECT_EQ(clamped.components[2].value, -1);
+  EXPECT_EQ(clamped.components[3].press_count, 4u);
 }
 
 }  // namespace test_protocol_sample_range

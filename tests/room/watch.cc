@@ -56,11 +56,12 @@ struct Scenario {
   double run_s = kEvent_s + kNamed_s;
 };
 
-sim::HandScript HandOf(const Scenario& story, const base::DeviceGeometry& device) {
-  if (story.pen == Pen::kAway) return {};
-  if (story.pen == Pen::kWaved) return sim::MakeOrdinaryHand(device, {.seed = story.seed, .duration_s = story.run_s});
+sim::HandScript HandOf(const Scenario& scenario, const base::DeviceGeometry& device) {
+  if (scenario.pen == Pen::kAway) return {};
+  if (scenario.pen == Pen::kWaved)
+    return sim::MakeOrdinaryHand(device, {.seed = scenario.seed, .duration_s = scenario.run_s});
   sim::HandScript held;
-  held.waypoints = {{0, {0.01, 0, 0.06}, {0, 0, -1}, true}, {story.run_s, {0.01, 0, 0.06}, {0, 0, -1}, true}};
+  held.waypoints = {{0, {0.01, 0, 0.06}, {0, 0, -1}, true}, {scenario.run_s, {0.01, 0, 0.06}, {0, 0, -1}, true}};
   return held;
 }
 
@@ -71,23 +72,23 @@ struct Reported {
 };
 
 // `wanted`: ends when it is reported.
-Reported Watch(const Scenario& story, const std::string& wanted = {}) {
+Reported Watch(const Scenario& scenario, const std::string& wanted = {}) {
   const base::DeviceGeometry device = Device();
-  TruthParameters truth = story.ideal ? config::IdealTwin() : config::RoomTwin();
-  const base::Calibration calibration = CalibrationOf(device, truth, story.seed);
-  story.event(truth);
-  sim::PlantOptions plant{.seed = story.seed, .script = HandOf(story, device)};
+  TruthParameters truth = scenario.ideal ? config::IdealTwin() : config::RoomTwin();
+  const base::Calibration calibration = CalibrationOf(device, truth, scenario.seed);
+  scenario.event(truth);
+  sim::PlantOptions plant{.seed = scenario.seed, .script = HandOf(scenario, device)};
   plant.truth = truth;
   sim::Loopback base(device, plant);
   const loop::TickConfig config = loop::MakeTickConfig(device, calibration);
   const auto state = std::make_unique<loop::LoopState>();
   const auto output = std::make_unique<loop::TickOutput>();
   const haptics::Scene scene;
-  const bool idle = story.idle || story.pen == Pen::kAway;
+  const bool idle = scenario.idle || scenario.pen == Pen::kAway;
   daemon::RoomWatch watch(&calibration);
   base::HallScan scan;
-  Reported told;
-  for (int tick = 1; tick <= 1000 * story.run_s; ++tick) {
+  Reported reported;
+  for (int tick = 1; tick <= 1000 * scenario.run_s; ++tick) {
     base.Tick(scan);
     if (idle && scan.sequence % kIdleDivider != 0) continue;
     loop::Tick(config, scan, {.t_ns = scan.t_ns}, scene, *state, *output);
@@ -95,23 +96,25 @@ Reported Watch(const Scenario& story, const std::string& wanted = {}) {
     if (tick % 100 >= (idle ? static_cast<int>(kIdleDivider) : 1)) continue;
     watch.Add({scan, output->tool});
     for (const daemon::RoomFinding& finding : watch.findings()) {
-      told.kinds.insert(finding.kind);
-      told.early = told.early || tick < 1000 * kEvent_s;
-      if (finding.kind == wanted) tick = static_cast<int>(1000 * story.run_s);
+      reported.kinds.insert(finding.kind);
+      reported.early = reported.early || tick < 1000 * kEvent_s;
+      if (finding.kind == wanted) tick = static_cast<int>(1000 * scenario.run_s);
     }
   }
-  told.last = watch.findings();
-  return told;
+  reported.last = watch.findings();
+  return reported;
 }
 
-void ExpectReported(const Scenario& story, const std::string& kind, const std::vector<int>& sensors,
+void ExpectReported(const Scenario& scenario, const std::string& kind, const std::vector<int>& sensors,
                     std::initializer_list<const char*> words) {
-  const Reported told = Watch(story, kind);
-  EXPECT_FALSE(told.early);
+  const Reported reported = Watch(scenario, kind);
+  EXPECT_FALSE(reported.early);
   std::string all;
-  for (const daemon::RoomFinding& finding : told.last) all += finding.kind + ": " + daemon::RoomText(finding) + "\n";
-  const auto found = std::find_if(told.last.begin(), told.last.end(), [&](const auto& f) { return f.kind == kind; });
-  ASSERT_NE(found, told.last.end()) << kind << " is not told, but: " << all;
+  for (const daemon::RoomFinding& finding : reported.last)
+    all += finding.kind + ": " + daemon::RoomText(finding) + "\n";
+  const auto found =
+      std::find_if(reported.last.begin(), reported.last.end(), [&](const auto& f) { return f.kind == kind; });
+  ASSERT_NE(found, reported.last.end()) << kind << " is not told, but: " << all;
   EXPECT_EQ(found->sensors, sensors) << all;
   for (const char* word : words) {
     EXPECT_NE(daemon::RoomText(*found).find(word), std::string::npos) << word << " not in: " << all;
@@ -233,9 +236,9 @@ TEST(RoomWatch, FindingIsClearedWhenItsCauseIsGone) {
                                           .leaves_s = kEvent_s + 6,
                                           .arrives_s = kEvent_s + 7});
   };
-  const Reported told = Watch({.event = comes_and_goes, .run_s = 25});
-  EXPECT_EQ(told.kinds, std::set<std::string>{"magnet-near"});
-  EXPECT_TRUE(told.last.empty());
+  const Reported reported = Watch({.event = comes_and_goes, .run_s = 25});
+  EXPECT_EQ(reported.kinds, std::set<std::string>{"magnet-near"});
+  EXPECT_TRUE(reported.last.empty());
 }
 
 class RoomWatchAtPeace : public testing::TestWithParam<std::tuple<bool, Pen>> {};
@@ -244,8 +247,8 @@ INSTANTIATE_TEST_SUITE_P(IdealAndRoom, RoomWatchAtPeace,
 
 TEST_P(RoomWatchAtPeace, UndisturbedRoomHasNoFindings) {
   const auto [ideal, pen] = GetParam();
-  const Reported told = Watch({.seed = 7, .ideal = ideal, .pen = pen, .run_s = 30});
-  EXPECT_TRUE(told.kinds.empty()) << *told.kinds.begin();
+  const Reported reported = Watch({.seed = 7, .ideal = ideal, .pen = pen, .run_s = 30});
+  EXPECT_TRUE(reported.kinds.empty()) << *reported.kinds.begin();
 }
 
 }  // namespace test_room_watch

@@ -50,27 +50,28 @@ XrReferenceSpaceType SpaceNamed(std::string_view name) {
 namespace {
 
 // Sends every session the event that `space` moves at `when`, with the world's new origin.
-void TellChange(State& state, XrReferenceSpaceType space, XrTime when, bool told) {
-  const XrBool32 known = told ? XR_TRUE : XR_FALSE;
+void TellChange(State& state, XrReferenceSpaceType space, XrTime when, bool reported) {
+  const XrBool32 known = reported ? XR_TRUE : XR_FALSE;
   const XrPosef before = state.world.OriginAt(space, when - 1);
   const XrPosef in_previous = Normalized(Compose(Inverse(before), state.world.OriginAt(space, when)));
   ForEachSession(state, [&](Session& session) {
     if (space == kLocalFloor && !session.instance->version_1_1) return;
-    Push(*session.instance, XrEventDataReferenceSpaceChangePending{XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING,
-                                                                   nullptr, Handles::As<XrSession>(session.handle),
-                                                                   space, when, known, told ? in_previous : XrPosef{}});
+    Push(*session.instance,
+         XrEventDataReferenceSpaceChangePending{XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING, nullptr,
+                                                Handles::As<XrSession>(session.handle), space, when, known,
+                                                reported ? in_previous : XrPosef{}});
   });
 }
 
 }  // namespace
 
-bool Recenter(State& state, XrReferenceSpaceType space, const XrPosef& pose, XrDuration delay_ns, bool told) {
+bool Recenter(State& state, XrReferenceSpaceType space, const XrPosef& pose, XrDuration delay_ns, bool reported) {
   const bool movable = space == XR_REFERENCE_SPACE_TYPE_LOCAL || space == XR_REFERENCE_SPACE_TYPE_STAGE;
   if (!movable || !IsValid(pose) || delay_ns < 0) return false;
   const XrTime when = Now() + delay_ns;
   state.world.Recenter(space, pose, when);
-  TellChange(state, space, when, told);
-  if (space == XR_REFERENCE_SPACE_TYPE_LOCAL) TellChange(state, kLocalFloor, when, told);
+  TellChange(state, space, when, reported);
+  if (space == XR_REFERENCE_SPACE_TYPE_LOCAL) TellChange(state, kLocalFloor, when, reported);
   return true;
 }
 

@@ -87,11 +87,11 @@ int omni_test_recenter(const float pose[7], int64_t delay_ns) {
   return omni_test_move_space("local", pose, delay_ns, 1);
 }
 
-int omni_test_move_space(const char* space, const float pose[7], int64_t delay_ns, int told) {
+int omni_test_move_space(const char* space, const float pose[7], int64_t delay_ns, int reported) {
   if (pose == nullptr) return -1;
   const XrReferenceSpaceType type = omni::runtime::SpaceNamed(Text(space));
   return Alone([&](auto& state) {
-    return omni::runtime::Recenter(state, type, MotionOf(pose, nullptr).pose, delay_ns, told != 0);
+    return omni::runtime::Recenter(state, type, MotionOf(pose, nullptr).pose, delay_ns, reported != 0);
   });
 }
 
@@ -116,9 +116,9 @@ int omni_test_offer_shapes(int offered) {
   });
 }
 
-int omni_test_tell_velocities(int told) {
+int omni_test_tell_velocities(int reported) {
   return Alone([&](auto& state) {
-    state.world.tells_velocities = told != 0;
+    state.world.tells_velocities = reported != 0;
     return true;
   });
 }

@@ -63,7 +63,7 @@ int omni_test_set_focus(int focus);
 // LOCAL (and LOCAL_FLOOR with it) moves to `pose`, given in the present LOCAL, after delay_ns; the event is queued now.
 int omni_test_recenter(const float pose[7], int64_t delay_ns);
 // The same for "local" or "stage". told = 0: the event does not contain the new origin (poseValid is false).
-int omni_test_move_space(const char* space, const float pose[7], int64_t delay_ns, int told);
+int omni_test_move_space(const char* space, const float pose[7], int64_t delay_ns, int reported);
 // 0: sessions have no STAGE from now on.
 int omni_test_offer_stage(int offered);
 // 0: new instances cannot enable XR_KHR_convert_timespec_time.
@@ -71,7 +71,7 @@ int omni_test_offer_timespec(int offered);
 // 1: new instances may have XR_FB_haptic_amplitude_envelope and XR_FB_haptic_pcm (of one call 1000 samples are taken).
 int omni_test_offer_shapes(int offered);
 // 0: no velocity is ever valid, as with runtimes that do not know them.
-int omni_test_tell_velocities(int told);
+int omni_test_tell_velocities(int reported);
 // The hand that XR_EXT_hand_tracking sees; `pose` of the palm in STAGE, null to keep it.
 int omni_test_set_hand(const char* hand, int active, const float pose[7], const float velocity[6]);
 // The user quits the application: every running session goes to STOPPING.

@@ -114,10 +114,10 @@ TEST(TrackRun, TracksBaseWithMeasuredAndHiddenCurrents) {
                                .current_A = current_A});
     truth[n] = {pose.centre_base_m, pose.axis_base};
   }
-  const auto told = TrackRecording(rig.ExactCalibration(), recording, {});
+  const auto reported = TrackRecording(rig.ExactCalibration(), recording, {});
   const auto hidden = TrackRecording(rig.ExactCalibration(), recording, {.currents = TrackCurrents::kHidden});
-  ASSERT_TRUE(told.ok() && hidden.ok());
-  const double told_mm = TrackErrors(*told, truth)[0].at("mean_mm"),
+  ASSERT_TRUE(reported.ok() && hidden.ok());
+  const double told_mm = TrackErrors(*reported, truth)[0].at("mean_mm"),
                hidden_mm = TrackErrors(*hidden, truth)[0].at("mean_mm");
   EXPECT_LT(told_mm, 0.25);
   EXPECT_LT(hidden_mm, 0.6);

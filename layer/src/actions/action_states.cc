@@ -28,46 +28,46 @@ void AssignTimes(const ActionState& merged, State& state) {
 
 }  // namespace
 
-XrResult Instance::GetActionStateBoolean(XrSession session, const XrActionStateGetInfo* info,
-                                         XrActionStateBoolean* state) {
-  const XrResult result = next.GetActionStateBoolean(session, info, state);
-  link.Beat();
+XrResult Input::GetActionStateBoolean(XrSession session, const XrActionStateGetInfo* info,
+                                      XrActionStateBoolean* state) {
+  const XrResult result = instance_.next.GetActionStateBoolean(session, info, state);
+  instance_.link.Beat();
   if (XR_FAILED(result)) return result;
-  Overlay(*this, session, *info, *state, [](const ActionState& merged, XrActionStateBoolean& out) {
+  Overlay(instance_, session, *info, *state, [](const ActionState& merged, XrActionStateBoolean& out) {
     out.currentState = merged.value.x > kPressThreshold ? XR_TRUE : XR_FALSE;
     AssignTimes(merged, out);
   });
   return result;
 }
 
-XrResult Instance::GetActionStateFloat(XrSession session, const XrActionStateGetInfo* info, XrActionStateFloat* state) {
-  const XrResult result = next.GetActionStateFloat(session, info, state);
-  link.Beat();
+XrResult Input::GetActionStateFloat(XrSession session, const XrActionStateGetInfo* info, XrActionStateFloat* state) {
+  const XrResult result = instance_.next.GetActionStateFloat(session, info, state);
+  instance_.link.Beat();
   if (XR_FAILED(result)) return result;
-  Overlay(*this, session, *info, *state, [&](const ActionState& merged, XrActionStateFloat& out) {
+  Overlay(instance_, session, *info, *state, [&](const ActionState& merged, XrActionStateFloat& out) {
     out.currentState = merged.value.x;
     AssignTimes(merged, out);
   });
   return result;
 }
 
-XrResult Instance::GetActionStateVector2f(XrSession session, const XrActionStateGetInfo* info,
-                                          XrActionStateVector2f* state) {
-  const XrResult result = next.GetActionStateVector2f(session, info, state);
-  link.Beat();
+XrResult Input::GetActionStateVector2f(XrSession session, const XrActionStateGetInfo* info,
+                                       XrActionStateVector2f* state) {
+  const XrResult result = instance_.next.GetActionStateVector2f(session, info, state);
+  instance_.link.Beat();
   if (XR_FAILED(result)) return result;
-  Overlay(*this, session, *info, *state, [](const ActionState& merged, XrActionStateVector2f& out) {
+  Overlay(instance_, session, *info, *state, [](const ActionState& merged, XrActionStateVector2f& out) {
     out.currentState = merged.value;
     AssignTimes(merged, out);
   });
   return result;
 }
 
-XrResult Instance::GetActionStatePose(XrSession session, const XrActionStateGetInfo* info, XrActionStatePose* state) {
-  const XrResult result = next.GetActionStatePose(session, info, state);
-  link.Beat();
+XrResult Input::GetActionStatePose(XrSession session, const XrActionStateGetInfo* info, XrActionStatePose* state) {
+  const XrResult result = instance_.next.GetActionStatePose(session, info, state);
+  instance_.link.Beat();
   if (XR_FAILED(result)) return result;
-  Overlay(*this, session, *info, *state, [](const ActionState&, XrActionStatePose&) {});
+  Overlay(instance_, session, *info, *state, [](const ActionState&, XrActionStatePose&) {});
   return result;
 }
 

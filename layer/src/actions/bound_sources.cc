@@ -47,11 +47,11 @@ std::string JoinName(XrInputSourceLocalizedNameFlags which, Hand hand, const Pro
 
 }  // namespace
 
-XrResult Instance::EnumerateBoundSourcesForAction(XrSession session, const XrBoundSourcesForActionEnumerateInfo* info,
-                                                  uint32_t capacity, uint32_t* count, XrPath* sources) {
-  link.Beat();
-  const auto record = sessions.Find(session);
-  const auto action = record && info ? actions.Find(info->action) : nullptr;
+XrResult Input::EnumerateBoundSourcesForAction(XrSession session, const XrBoundSourcesForActionEnumerateInfo* info,
+                                               uint32_t capacity, uint32_t* count, XrPath* sources) {
+  instance_.link.Beat();
+  const auto record = instance_.sessions.Find(session);
+  const auto action = record && info ? instance_.actions.Find(info->action) : nullptr;
   std::vector<std::string> pen;
   bool owns = false;
   Hand hand = Hand::kRight;
@@ -61,33 +61,33 @@ XrResult Instance::EnumerateBoundSourcesForAction(XrSession session, const XrBou
     owns = record->actions.pen_owns_hand() && record->actions.attached(*action->set);
     if (owns) pen = record->actions.BoundSources(*action);
   }
-  if (!owns) return next.EnumerateBoundSourcesForAction(session, info, capacity, count, sources);
+  if (!owns) return instance_.next.EnumerateBoundSourcesForAction(session, info, capacity, count, sources);
 
   std::uint32_t below = 0;
-  XrResult result = next.EnumerateBoundSourcesForAction(session, info, 0, &below, nullptr);
+  XrResult result = instance_.next.EnumerateBoundSourcesForAction(session, info, 0, &below, nullptr);
   if (XR_FAILED(result)) return result;
   std::vector<XrPath> all(below);
-  if (below > 0) result = next.EnumerateBoundSourcesForAction(session, info, below, &below, all.data());
+  if (below > 0) result = instance_.next.EnumerateBoundSourcesForAction(session, info, below, &below, all.data());
   if (XR_FAILED(result)) return result;
   all.resize(std::min<std::size_t>(below, all.size()));
   // The pen's hand has no other device while the pen is present.
-  all.erase(
-      std::remove_if(all.begin(), all.end(), [&](XrPath path) { return StartsWith(PathText(path), UserPath(hand)); }),
-      all.end());
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [&](XrPath path) { return StartsWith(instance_.PathText(path), UserPath(hand)); }),
+            all.end());
   for (const std::string& path : pen)
-    if (const XrPath source = PathOf(path); source != XR_NULL_PATH) all.push_back(source);
+    if (const XrPath source = instance_.PathOf(path); source != XR_NULL_PATH) all.push_back(source);
   return Fill(all.data(), all.size(), capacity, count, sources);
 }
 
-XrResult Instance::GetInputSourceLocalizedName(XrSession session, const XrInputSourceLocalizedNameGetInfo* info,
-                                               uint32_t capacity, uint32_t* count, char* text) {
-  link.Beat();
+XrResult Input::GetInputSourceLocalizedName(XrSession session, const XrInputSourceLocalizedNameGetInfo* info,
+                                            uint32_t capacity, uint32_t* count, char* text) {
+  instance_.link.Beat();
   constexpr XrInputSourceLocalizedNameFlags kKnown = XR_INPUT_SOURCE_LOCALIZED_NAME_USER_PATH_BIT |
                                                      XR_INPUT_SOURCE_LOCALIZED_NAME_INTERACTION_PROFILE_BIT |
                                                      XR_INPUT_SOURCE_LOCALIZED_NAME_COMPONENT_BIT;
-  const auto record = sessions.Find(session);
+  const auto record = instance_.sessions.Find(session);
   const bool readable = record && info && info->type == XR_TYPE_INPUT_SOURCE_LOCALIZED_NAME_GET_INFO;
-  const std::string path = readable ? PathText(info->sourcePath) : std::string();
+  const std::string path = readable ? instance_.PathText(info->sourcePath) : std::string();
   if (!path.empty()) {
     const std::shared_lock lock(record->mutex);
     const Hand hand = record->actions.hand();
@@ -102,7 +102,7 @@ XrResult Instance::GetInputSourceLocalizedName(XrSession session, const XrInputS
       return Fill(name.c_str(), name.size() + 1, capacity, count, text);
     }
   }
-  return next.GetInputSourceLocalizedName(session, info, capacity, count, text);
+  return instance_.next.GetInputSourceLocalizedName(session, info, capacity, count, text);
 }
 
 }  // namespace omni::layer

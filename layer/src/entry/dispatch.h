@@ -1,51 +1,51 @@
-// One list of the functions this layer touches. To add one, add a word here and a method of that name to Instance.
+// One list of the functions this layer touches. To add one, add a row here and a method of that name.
 #pragma once
 
 #include "layer/src/entry/omni_openxr_compat.h"
 
-// Functions the application reaches through us.
-#define OMNI_LAYER_INTERCEPTED(X)      \
-  X(PollEvent)                         \
-  X(CreateSession)                     \
-  X(DestroySession)                    \
-  X(BeginSession)                      \
-  X(EndSession)                        \
-  X(WaitFrame)                         \
-  X(CreateActionSet)                   \
-  X(DestroyActionSet)                  \
-  X(CreateAction)                      \
-  X(DestroyAction)                     \
-  X(SuggestInteractionProfileBindings) \
-  X(AttachSessionActionSets)           \
-  X(GetCurrentInteractionProfile)      \
-  X(SyncActions)                       \
-  X(GetActionStateBoolean)             \
-  X(GetActionStateFloat)               \
-  X(GetActionStateVector2f)            \
-  X(GetActionStatePose)                \
-  X(EnumerateBoundSourcesForAction)    \
-  X(GetInputSourceLocalizedName)       \
-  X(CreateActionSpace)                 \
-  X(CreateReferenceSpace)              \
-  X(DestroySpace)                      \
-  X(LocateSpace)                       \
-  X(LocateViews)                       \
-  X(EndFrame)                          \
-  X(ApplyHapticFeedback)               \
-  X(StopHapticFeedback)                \
-  X(GetSystemProperties)               \
-  X(ResultToString)                    \
-  X(StructureTypeToString)
+// Functions the application reaches through us: X(class of the method, name).
+#define OMNI_LAYER_INTERCEPTED(X)                \
+  X(Instance, PollEvent)                         \
+  X(Instance, CreateSession)                     \
+  X(Instance, DestroySession)                    \
+  X(Instance, BeginSession)                      \
+  X(Instance, EndSession)                        \
+  X(Instance, WaitFrame)                         \
+  X(Input, CreateActionSet)                      \
+  X(Input, DestroyActionSet)                     \
+  X(Input, CreateAction)                         \
+  X(Input, DestroyAction)                        \
+  X(Bindings, SuggestInteractionProfileBindings) \
+  X(Input, AttachSessionActionSets)              \
+  X(Bindings, GetCurrentInteractionProfile)      \
+  X(Input, SyncActions)                          \
+  X(Input, GetActionStateBoolean)                \
+  X(Input, GetActionStateFloat)                  \
+  X(Input, GetActionStateVector2f)               \
+  X(Input, GetActionStatePose)                   \
+  X(Input, EnumerateBoundSourcesForAction)       \
+  X(Input, GetInputSourceLocalizedName)          \
+  X(Locator, CreateActionSpace)                  \
+  X(Locator, CreateReferenceSpace)               \
+  X(Locator, DestroySpace)                       \
+  X(Locator, LocateSpace)                        \
+  X(Locator, LocateViews)                        \
+  X(Locator, EndFrame)                           \
+  X(Vibrations, ApplyHapticFeedback)             \
+  X(Vibrations, StopHapticFeedback)              \
+  X(Instance, GetSystemProperties)               \
+  X(Instance, ResultToString)                    \
+  X(Instance, StructureTypeToString)
 
 // Functions that not every runtime has (extensions, OpenXR 1.1): intercepted only if the next layer has them; otherwise
 // the application gets the next layer's answer.
-#define OMNI_LAYER_OPTIONAL(X) \
-  X(LocateSpaces)              \
-  X(LocateSpacesKHR)           \
-  X(CreateHandTrackerEXT)      \
-  X(DestroyHandTrackerEXT)     \
-  X(LocateHandJointsEXT)       \
-  X(GetDeviceSampleRateFB)
+#define OMNI_LAYER_OPTIONAL(X)      \
+  X(Locator, LocateSpaces)          \
+  X(Locator, LocateSpacesKHR)       \
+  X(Locator, CreateHandTrackerEXT)  \
+  X(Locator, DestroyHandTrackerEXT) \
+  X(Locator, LocateHandJointsEXT)   \
+  X(Vibrations, GetDeviceSampleRateFB)
 
 // Functions of the next layer or runtime that we only call, or that are no method of an instance.
 #define OMNI_LAYER_CALLED(X)  \
@@ -59,11 +59,13 @@ namespace omni::layer {
 
 struct Dispatch {
   PFN_xrGetInstanceProcAddr GetInstanceProcAddr = nullptr;
-#define OMNI_LAYER_MEMBER(name) PFN_xr##name name = nullptr;
+#define OMNI_LAYER_MEMBER(part, name) PFN_xr##name name = nullptr;
+#define OMNI_LAYER_CALLED_MEMBER(name) PFN_xr##name name = nullptr;
   OMNI_LAYER_INTERCEPTED(OMNI_LAYER_MEMBER)
-  OMNI_LAYER_CALLED(OMNI_LAYER_MEMBER)
+  OMNI_LAYER_CALLED(OMNI_LAYER_CALLED_MEMBER)
   // Absent below: nullptr.
   OMNI_LAYER_OPTIONAL(OMNI_LAYER_MEMBER)
+#undef OMNI_LAYER_CALLED_MEMBER
 #undef OMNI_LAYER_MEMBER
   PFN_xrConvertTimespecTimeToTimeKHR ConvertTimespecTimeToTimeKHR = nullptr;
   PFN_xrEnumerateInstanceExtensionProperties EnumerateInstanceExtensionProperties = nullptr;

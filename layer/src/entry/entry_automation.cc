@@ -128,7 +128,7 @@ XrResult PlaceTool(const Target& t, const PoseComponent& component, XrSpace spac
   XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, nullptr, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
   const XrTime now = t.instance->clock.ToXr(base::MonotonicNow_ns());
   const BasePose placement = t.session->placement.At(now);
-  const XrResult result = t.instance->LocateSpace(space, t.session->Anchor(placement.space), now, &location);
+  const XrResult result = t.instance->locator.LocateSpace(space, t.session->Anchor(placement.space), now, &location);
   if (XR_FAILED(result)) return result;
   if ((location.locationFlags & kValid) != kValid) return XR_ERROR_RUNTIME_FAILURE;
   const Pose X_LP = Compose(FromXr(location.pose), FromXr(pose));

@@ -1,5 +1,5 @@
-// Every function that an application or the loader can call: finds the instance and stops exceptions. Instance does the
-// work, one file per subject.
+// Every function that an application or the loader can call: finds the instance and stops exceptions. Instance
+// and its parts do the work, one class per subject.
 #include <cstring>
 
 #include "layer/src/entry/create_instance.h"
@@ -70,13 +70,13 @@ PFN_xrVoidFunction FindIntercepted(const char* name, const Dispatch* below) {
   OMNI_LAYER_OWN(EnumerateApiLayerProperties)
   OMNI_LAYER_OWN(EnumerateInstanceExtensionProperties)
 #undef OMNI_LAYER_OWN
-#define OMNI_LAYER_ROW(function) \
-  if (std::strcmp(name, "xr" #function) == 0) return Erase(&Entry<PFN_xr##function, &Instance::function>::Call);
+#define OMNI_LAYER_ROW(part, function) \
+  if (std::strcmp(name, "xr" #function) == 0) return Erase(&Entry<PFN_xr##function, &part::function>::Call);
   OMNI_LAYER_INTERCEPTED(OMNI_LAYER_ROW)
 #undef OMNI_LAYER_ROW
-#define OMNI_LAYER_ROW(function)                                          \
+#define OMNI_LAYER_ROW(part, function)                                    \
   if (below && below->function && std::strcmp(name, "xr" #function) == 0) \
-    return Erase(&Entry<PFN_xr##function, &Instance::function>::Call);
+    return Erase(&Entry<PFN_xr##function, &part::function>::Call);
   OMNI_LAYER_OPTIONAL(OMNI_LAYER_ROW)
 #undef OMNI_LAYER_ROW
   return nullptr;
@@ -102,10 +102,12 @@ bool LoadDispatch(XrInstance instance, PFN_xrGetInstanceProcAddr next_get, Dispa
     complete = false;                                     \
     *missing = "xr" #name;                                \
   }
-  OMNI_LAYER_INTERCEPTED(OMNI_LAYER_LOAD)
+#define OMNI_LAYER_LOAD_INTERCEPTED(part, name) OMNI_LAYER_LOAD(name)
+  OMNI_LAYER_INTERCEPTED(OMNI_LAYER_LOAD_INTERCEPTED)
   OMNI_LAYER_CALLED(OMNI_LAYER_LOAD)
+#undef OMNI_LAYER_LOAD_INTERCEPTED
 #undef OMNI_LAYER_LOAD
-#define OMNI_LAYER_LOAD(name) Load(instance, next_get, "xr" #name, next.name);
+#define OMNI_LAYER_LOAD(part, name) Load(instance, next_get, "xr" #name, next.name);
   OMNI_LAYER_OPTIONAL(OMNI_LAYER_LOAD)
 #undef OMNI_LAYER_LOAD
   Load(instance, next_get, "xrConvertTimespecTimeToTimeKHR", next.ConvertTimespecTimeToTimeKHR);

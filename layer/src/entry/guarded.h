@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <new>
+#include <tuple>
 #include <type_traits>
 
 #include "layer/src/instance/registry.h"
@@ -27,8 +28,11 @@ std::shared_ptr<Instance> InstanceOf(Handle handle) {
   return Registry::Get().Owner(handle);
 }
 
-// The C function of type `Function` that calls a method of the instance that made its first argument, or of that
-// instance's scenes. The method gets all arguments but an XrInstance, which it is itself.
+template <class Part, class... Arguments>
+Part ClassOf(XrResult (Part::*)(Arguments...));
+
+// The C function of type `Function` that calls a method of the instance that made its first argument, or of a part of
+// that instance. The method gets all arguments but an XrInstance, which it knows.
 template <class Function, auto kMethod>
 struct Entry;
 template <class Handle, class... Arguments, auto kMethod>
@@ -37,13 +41,13 @@ struct Entry<XrResult(XRAPI_PTR*)(Handle, Arguments...), kMethod> {
     return Guarded([&] {
       const auto instance = InstanceOf(handle);
       if (!instance) return XR_ERROR_HANDLE_INVALID;
-      if constexpr (std::is_invocable_v<decltype(kMethod), HapticScenes&, Handle, Arguments...>) {
-        instance->Alive();
-        return (instance->haptic_scenes.*kMethod)(handle, arguments...);
-      } else if constexpr (std::is_same_v<Handle, XrInstance>) {
-        return ((*instance).*kMethod)(arguments...);
+      using Part = decltype(ClassOf(kMethod));
+      Part& part = std::get<Part&>(instance->Parts());
+      if constexpr (std::is_same_v<Part, HapticScenes>) instance->Alive();
+      if constexpr (std::is_same_v<Handle, XrInstance>) {
+        return (part.*kMethod)(arguments...);
       } else {
-        return ((*instance).*kMethod)(handle, arguments...);
+        return (part.*kMethod)(handle, arguments...);
       }
     });
   }

@@ -15,18 +15,18 @@ constexpr const char* kScene = XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME;
 
 const std::vector<OwnFunction>& OwnFunctions() {
 #define OMNI_FORCE(name, method) \
-  { "xr" #name, kForce, Erase(&Entry<PFN_xr##name, &Instance::method>::Call) }
+  { "xr" #name, kForce, Erase(&Entry<PFN_xr##name, &ForceFeedbacks::method>::Call) }
 #define OMNI_SCENE(name, method) \
   { "xr" #name, kScene, Erase(&Entry<PFN_xr##name, &HapticScenes::method>::Call), kForce }
   static const std::vector<OwnFunction> all = [] {
     std::vector<OwnFunction> functions{
-        OMNI_FORCE(CreateForceFeedbackOMNIX1, CreateForceFeedback),
-        OMNI_FORCE(DestroyForceFeedbackOMNIX1, DestroyForceFeedback),
-        OMNI_FORCE(GetForceFeedbackPropertiesOMNIX1, ForceProperties),
-        OMNI_FORCE(ApplyForceOMNIX1, ApplyForce),
+        OMNI_FORCE(CreateForceFeedbackOMNIX1, Create),
+        OMNI_FORCE(DestroyForceFeedbackOMNIX1, Destroy),
+        OMNI_FORCE(GetForceFeedbackPropertiesOMNIX1, Properties),
+        OMNI_FORCE(ApplyForceOMNIX1, Apply),
         OMNI_FORCE(SetForceFeedbackConstraintsOMNIX1, SetConstraints),
-        OMNI_FORCE(StopForceFeedbackOMNIX1, StopForce),
-        OMNI_FORCE(GetForceFeedbackStateOMNIX1, ForceState),
+        OMNI_FORCE(StopForceFeedbackOMNIX1, Stop),
+        OMNI_FORCE(GetForceFeedbackStateOMNIX1, State),
         OMNI_SCENE(CreateHapticSceneOMNIX1, Create),
         OMNI_SCENE(DestroyHapticSceneOMNIX1, Destroy),
         OMNI_SCENE(GetHapticSceneStateOMNIX1, State),
@@ -41,7 +41,7 @@ const std::vector<OwnFunction>& OwnFunctions() {
         OMNI_SCENE(GetHapticNodeMeshOMNIX1, Mesh),
         // For runtimes that have no such function.
         {"xrGetDeviceSampleRateFB", XR_FB_HAPTIC_PCM_EXTENSION_NAME,
-         Erase(&Entry<PFN_xrGetDeviceSampleRateFB, &Instance::GetDeviceSampleRateFB>::Call)},
+         Erase(&Entry<PFN_xrGetDeviceSampleRateFB, &Vibrations::GetDeviceSampleRateFB>::Call)},
     };
     functions.insert(functions.end(), AutomationFunctions().begin(), AutomationFunctions().end());
     return functions;

@@ -26,7 +26,7 @@ class Places {
       place = at;
       return XR_SUCCESS;
     }
-    const XrResult result = instance_.LocateInBase(session_, space, instance_.clock.ToXr(now_ns_), place);
+    const XrResult result = instance_.locator.LocateInBase(session_, space, instance_.clock.ToXr(now_ns_), place);
     if (XR_SUCCEEDED(result)) found_.emplace_back(space, place);
     return result;
   }
@@ -59,83 +59,83 @@ XrResult PlaceConstraints(Places& places, const std::vector<LocalConstraint>& co
 
 }  // namespace
 
-XrResult Instance::CreateForceFeedback(XrSession session, const XrForceFeedbackCreateInfoOMNIX1* info,
-                                       XrForceFeedbackOMNIX1* handle_out) {
-  link.Beat();
-  link.PollNow(base::MonotonicNow_ns());
-  const auto record = sessions.Find(session);
+XrResult ForceFeedbacks::Create(XrSession session, const XrForceFeedbackCreateInfoOMNIX1* info,
+                                XrForceFeedbackOMNIX1* handle_out) {
+  instance_.link.Beat();
+  instance_.link.PollNow(base::MonotonicNow_ns());
+  const auto record = instance_.sessions.Find(session);
   if (!record) return XR_ERROR_HANDLE_INVALID;
   if (!info || info->type != XR_TYPE_FORCE_FEEDBACK_CREATE_INFO_OMNIX1 || !handle_out)
     return XR_ERROR_VALIDATION_FAILURE;
-  if (PathText(info->topLevelUserPath).empty()) return XR_ERROR_PATH_INVALID;
-  const XrPath hand = hand_paths[static_cast<std::size_t>(Choice().hand)];
+  if (instance_.PathText(info->topLevelUserPath).empty()) return XR_ERROR_PATH_INVALID;
+  const XrPath hand = instance_.hand_paths[static_cast<std::size_t>(instance_.Choice().hand)];
   if (info->topLevelUserPath != hand) return XR_ERROR_PATH_UNSUPPORTED;
-  if (link.force_properties().available == 0) return XR_ERROR_FEATURE_UNSUPPORTED;
-  if (IsTaken(link)) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
-  const std::lock_guard lock(forces_mutex_);
-  if (!forces.Values().empty()) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
+  if (instance_.link.force_properties().available == 0) return XR_ERROR_FEATURE_UNSUPPORTED;
+  if (IsTaken(instance_.link)) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
+  const std::lock_guard lock(mutex_);
+  if (!instance_.forces.Values().empty()) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
   const auto made = std::make_shared<ForceFeedback>(record, StatusNow(*record));
-  forces.Insert(made->handle(), made);
-  link.ClaimForce(true);
+  instance_.forces.Insert(made->handle(), made);
+  instance_.link.ClaimForce(true);
   *handle_out = made->handle();
   return XR_SUCCESS;
 }
 
-XrResult Instance::DestroyForceFeedback(XrForceFeedbackOMNIX1 force) {
-  Alive();
-  const std::lock_guard lock(forces_mutex_);
-  if (!forces.Contains(force)) return XR_ERROR_HANDLE_INVALID;
-  forces.Erase(force);
-  link.StopForce();
-  link.ClaimForce(false);
+XrResult ForceFeedbacks::Destroy(XrForceFeedbackOMNIX1 force) {
+  instance_.Alive();
+  const std::lock_guard lock(mutex_);
+  if (!instance_.forces.Contains(force)) return XR_ERROR_HANDLE_INVALID;
+  instance_.forces.Erase(force);
+  instance_.link.StopForce();
+  instance_.link.ClaimForce(false);
   return XR_SUCCESS;
 }
 
-void Instance::DestroyForcesOf(XrSession session) {
-  const std::lock_guard lock(forces_mutex_);
-  const std::size_t before = forces.Values().size();
-  forces.EraseIf([session](const ForceFeedback& force) { return force.session->handle == session; });
-  if (forces.Values().size() == before) return;
-  link.StopForce();
-  link.ClaimForce(false);
+void ForceFeedbacks::EndOf(XrSession session) {
+  const std::lock_guard lock(mutex_);
+  const std::size_t before = instance_.forces.Values().size();
+  instance_.forces.EraseIf([session](const ForceFeedback& force) { return force.session->handle == session; });
+  if (instance_.forces.Values().size() == before) return;
+  instance_.link.StopForce();
+  instance_.link.ClaimForce(false);
 }
 
-void Instance::ForgetForces(const Session& session) {
-  for (const auto& force : forces.Values()) {
+void ForceFeedbacks::OnFocusLost(const Session& session) {
+  for (const auto& force : instance_.forces.Values()) {
     if (force->session.get() != &session) continue;
     {
       const std::lock_guard lock(force->mutex);
       force->constraints.clear();
       ++force->constraint_changes;
     }
-    link.StopForce();
+    instance_.link.StopForce();
   }
 }
 
-void Instance::ForgetSpace(XrSpace space) {
-  for (const auto& force : forces.Values()) {
+void ForceFeedbacks::ForgetSpace(XrSpace space) {
+  for (const auto& force : instance_.forces.Values()) {
     const std::lock_guard lock(force->mutex);
     auto& all = force->constraints;
     const auto gone = std::remove_if(all.begin(), all.end(), [space](const auto& c) { return c.space == space; });
     if (gone == all.end()) continue;
     all.erase(gone, all.end());
     ++force->constraint_changes;
-    force->told_connection = 0;  // sent again at the next sync, or here if none is left
-    if (all.empty()) link.SendConstraints(protocol::ForceConstraints{});
+    force->sent_connection = 0;  // sent again at the next sync, or here if none is left
+    if (all.empty()) instance_.link.SendConstraints(protocol::ForceConstraints{});
   }
 }
 
-XrResult Instance::ApplyForce(XrForceFeedbackOMNIX1 handle_in, const XrForceApplyInfoOMNIX1* info) {
-  Alive();
-  const auto force = forces.Find(handle_in);
+XrResult ForceFeedbacks::Apply(XrForceFeedbackOMNIX1 handle_in, const XrForceApplyInfoOMNIX1* info) {
+  instance_.Alive();
+  const auto force = instance_.forces.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
   const bool valid = info && info->type == XR_TYPE_FORCE_APPLY_INFO_OMNIX1 && IsFinite(info->force) &&
                      info->duration > 0 && info->rampDuration >= 0;
   if (!valid) return XR_ERROR_VALIDATION_FAILURE;
   if (info->baseSpace == XR_NULL_HANDLE) return XR_ERROR_HANDLE_INVALID;
   if (!force->session->focused) return XR_SESSION_NOT_FOCUSED;
-  if (IsTaken(link)) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
-  Places places(*this, *force->session);
+  if (IsTaken(instance_.link)) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
+  Places places(instance_, *force->session);
   Located place;
   if (const XrResult result = places.Find(info->baseSpace, place); XR_FAILED(result)) return result;
   const bool directed = Has(place.flags, XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) && IsFinite(place.motion);
@@ -148,21 +148,21 @@ XrResult Instance::ApplyForce(XrForceFeedbackOMNIX1 handle_in, const XrForceAppl
   const double size = glm::length(f);
   if (size > protocol::kLargestForce_N) f *= protocol::kLargestForce_N / size;
   apply.force_base_N = Clamped(f, protocol::kLargestForce_N);
-  link.SendForce(apply);
+  instance_.link.SendForce(apply);
   return XR_SUCCESS;
 }
 
-XrResult Instance::SetConstraints(XrForceFeedbackOMNIX1 handle_in,
-                                  const XrForceFeedbackConstraintsSetInfoOMNIX1* info) {
-  Alive();
-  const auto force = forces.Find(handle_in);
+XrResult ForceFeedbacks::SetConstraints(XrForceFeedbackOMNIX1 handle_in,
+                                        const XrForceFeedbackConstraintsSetInfoOMNIX1* info) {
+  instance_.Alive();
+  const auto force = instance_.forces.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
   if (!info || info->type != XR_TYPE_FORCE_FEEDBACK_CONSTRAINTS_SET_INFO_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
   std::vector<LocalConstraint> read;
   if (const XrResult result = ReadConstraints(*info, read); XR_FAILED(result)) return result;
   if (!force->session->focused) return XR_SESSION_NOT_FOCUSED;
-  if (IsTaken(link)) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
-  Places places(*this, *force->session);
+  if (IsTaken(instance_.link)) return XR_ERROR_FORCE_FEEDBACK_IN_USE_OMNIX1;
+  Places places(instance_, *force->session);
   protocol::ForceConstraints message;
   bool all_placed = false;
   if (const XrResult result = PlaceConstraints(places, read, message, all_placed); XR_FAILED(result)) return result;
@@ -176,14 +176,14 @@ XrResult Instance::SetConstraints(XrForceFeedbackOMNIX1 handle_in,
 }
 
 // The caller holds force.mutex.
-void Instance::SendConstraints(ForceFeedback& force, const protocol::ForceConstraints& message) {
-  force.told_connection = link.SendConstraints(message) ? link.connection_number() : 0;
-  force.told = message;
+void ForceFeedbacks::SendConstraints(ForceFeedback& force, const protocol::ForceConstraints& message) {
+  force.sent_connection = instance_.link.SendConstraints(message) ? instance_.link.connection_number() : 0;
+  force.sent = message;
 }
 
 // Spaces move, and a restarted service knows no constraints.
-void Instance::FollowConstraints() {
-  for (const auto& force : forces.Values()) {
+void ForceFeedbacks::FollowConstraints() {
+  for (const auto& force : instance_.forces.Values()) {
     std::vector<LocalConstraint> constraints;
     std::uint64_t changes = 0;
     {
@@ -192,26 +192,26 @@ void Instance::FollowConstraints() {
       changes = force->constraint_changes;
     }
     if (constraints.empty() || !force->session->focused) continue;
-    Places places(*this, *force->session);
+    Places places(instance_, *force->session);
     protocol::ForceConstraints now;
     bool all_placed = false;
     if (XR_FAILED(PlaceConstraints(places, constraints, now, all_placed))) continue;
     const std::lock_guard lock(force->mutex);
     const bool other_ones = force->constraint_changes != changes;  // set, or gone, meanwhile
-    const bool same_service = force->told_connection == link.connection_number();
-    const bool known = same_service && SameConstraints(force->told, now);
+    const bool same_service = force->sent_connection == instance_.link.connection_number();
+    const bool known = same_service && SameConstraints(force->sent, now);
     if (!other_ones && !known) SendConstraints(*force, now);
   }
 }
 
-XrResult Instance::StopForce(XrForceFeedbackOMNIX1 handle_in) {
-  Alive();
-  const auto force = forces.Find(handle_in);
+XrResult ForceFeedbacks::Stop(XrForceFeedbackOMNIX1 handle_in) {
+  instance_.Alive();
+  const auto force = instance_.forces.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
   const std::lock_guard lock(force->mutex);
   force->constraints.clear();
   ++force->constraint_changes;
-  link.StopForce();
+  instance_.link.StopForce();
   return XR_SUCCESS;
 }
 

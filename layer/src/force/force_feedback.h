@@ -24,8 +24,8 @@ struct ForceFeedback {
   std::mutex mutex;                          // of what follows; never held during a call to the next layer
   std::vector<LocalConstraint> constraints;  // as set
   std::uint64_t constraint_changes = 0;      // of that list
-  protocol::ForceConstraints told;           // as last sent to the service ...
-  std::uint64_t told_connection = 0;         // ... over this connection
+  protocol::ForceConstraints sent;           // as last sent to the service ...
+  std::uint64_t sent_connection = 0;         // ... over this connection
   ForceStatusWatch watch;
 };
 

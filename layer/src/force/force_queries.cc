@@ -69,20 +69,21 @@ XrResult Instance::GetSystemProperties(XrSystemId system, XrSystemProperties* pr
   return result;
 }
 
-XrResult Instance::ForceProperties(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackPropertiesGetInfoOMNIX1* info,
-                                   XrForceFeedbackPropertiesOMNIX1* properties) {
-  Alive();
-  const auto force = forces.Find(handle_in);
+XrResult ForceFeedbacks::Properties(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackPropertiesGetInfoOMNIX1* info,
+                                    XrForceFeedbackPropertiesOMNIX1* properties) {
+  instance_.Alive();
+  const auto force = instance_.forces.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
   if (const XrResult result = CheckQuery(info, XR_TYPE_FORCE_FEEDBACK_PROPERTIES_GET_INFO_OMNIX1, properties,
                                          XR_TYPE_FORCE_FEEDBACK_PROPERTIES_OMNIX1);
       XR_FAILED(result))
     return result;
   if (properties->reachCapacityInput > 0 && !properties->reach) return XR_ERROR_VALIDATION_FAILURE;
-  const protocol::ForceProperties can = link.force_properties();
+  const protocol::ForceProperties can = instance_.link.force_properties();
   if (can.available == 0) return XR_ERROR_FEATURE_UNSUPPORTED;
   Located X_OS;
-  if (const XrResult result = LocateInBase(*force->session, info->baseSpace, info->time, X_OS); XR_FAILED(result))
+  if (const XrResult result = instance_.locator.LocateInBase(*force->session, info->baseSpace, info->time, X_OS);
+      XR_FAILED(result))
     return result;
   const bool fits = properties->reachCapacityInput == 0 || properties->reachCapacityInput >= can.reach_count;
   if (!fits) {
@@ -100,31 +101,32 @@ XrResult Instance::ForceProperties(XrForceFeedbackOMNIX1 handle_in, const XrForc
   return XR_SUCCESS;
 }
 
-XrResult Instance::ForceState(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackStateGetInfoOMNIX1* info,
-                              XrForceFeedbackStateOMNIX1* state) {
-  Alive();
-  const auto force = forces.Find(handle_in);
+XrResult ForceFeedbacks::State(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackStateGetInfoOMNIX1* info,
+                               XrForceFeedbackStateOMNIX1* state) {
+  instance_.Alive();
+  const auto force = instance_.forces.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
   if (const XrResult result =
           CheckQuery(info, XR_TYPE_FORCE_FEEDBACK_STATE_GET_INFO_OMNIX1, state, XR_TYPE_FORCE_FEEDBACK_STATE_OMNIX1);
       XR_FAILED(result))
     return result;
   Located X_OS;
-  if (const XrResult result = LocateInBase(*force->session, info->baseSpace, info->time, X_OS); XR_FAILED(result))
+  if (const XrResult result = instance_.locator.LocateInBase(*force->session, info->baseSpace, info->time, X_OS);
+      XR_FAILED(result))
     return result;
   protocol::ToolSample newest;
   protocol::ToolSample then;
   protocol::ToolSample after;
-  const auto reader = link.reader();
-  const std::int64_t time_ns = clock.ToMonotonic(info->time);
+  const auto reader = instance_.link.reader();
+  const std::int64_t time_ns = instance_.clock.ToMonotonic(info->time);
   const bool any = reader && reader->Newest(newest) && reader->Around(time_ns, then, after);
   const ForceStatus status = StatusOf({.focused = force->session->focused,
-                                       .standing = link.force_standing(),
+                                       .standing = instance_.link.force_standing(),
                                        .fresh = any && base::MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
                                        .sample = any ? &then : nullptr});
   state->isActive = status.active ? XR_TRUE : XR_FALSE;
   state->stateFlags = status.flags;
-  state->sampleTime = any ? clock.ToXr(then.t_ns) : 0;
+  state->sampleTime = any ? instance_.clock.ToXr(then.t_ns) : 0;
   state->contactCount = any ? then.contact_count : 0;
   state->isForceValid = any && (X_OS.flags & XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) ? XR_TRUE : XR_FALSE;
   state->appliedForce = {0, 0, 0};
@@ -135,36 +137,36 @@ XrResult Instance::ForceState(XrForceFeedbackOMNIX1 handle_in, const XrForceFeed
   return XR_SUCCESS;
 }
 
-ForceStatus Instance::StatusNow(const Session& session) {
+ForceStatus ForceFeedbacks::StatusNow(const Session& session) {
   protocol::ToolSample newest;
-  const auto reader = link.reader();
+  const auto reader = instance_.link.reader();
   const bool any = reader && reader->Newest(newest);
   return StatusOf({.focused = session.focused,
-                   .standing = link.force_standing(),
+                   .standing = instance_.link.force_standing(),
                    .fresh = any && base::MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
                    .sample = any ? &newest : nullptr});
 }
 
-void Instance::WatchForces() {
-  for (const auto& force : forces.Values()) {
+void ForceFeedbacks::Watch() {
+  for (const auto& force : instance_.forces.Values()) {
     const std::int64_t now_ns = base::MonotonicNow_ns();
     const ForceStatus now = StatusNow(*force->session);
-    ForceStatus told;
+    ForceStatus reported;
     {
       const std::lock_guard lock(force->mutex);
-      if (!force->watch.Step(now, now_ns, told)) continue;
+      if (!force->watch.Step(now, now_ns, reported)) continue;
     }
-    events.Push(XrEventDataForceFeedbackStateChangedOMNIX1{
+    instance_.events.Push(XrEventDataForceFeedbackStateChangedOMNIX1{
         XR_TYPE_EVENT_DATA_FORCE_FEEDBACK_STATE_CHANGED_OMNIX1, nullptr, force->session->handle, force->handle(),
-        static_cast<XrBool32>(told.active), told.flags, clock.ToXr(now_ns)});
+        static_cast<XrBool32>(reported.active), reported.flags, instance_.clock.ToXr(now_ns)});
   }
 }
 
-bool Instance::IsOfDestroyedForce(const XrEventDataBuffer& event) const {
+bool ForceFeedbacks::IsOfDestroyed(const XrEventDataBuffer& event) const {
   if (event.type != XR_TYPE_EVENT_DATA_FORCE_FEEDBACK_STATE_CHANGED_OMNIX1) return false;
   XrEventDataForceFeedbackStateChangedOMNIX1 changed;
   std::memcpy(&changed, &event, sizeof(changed));
-  return !forces.Contains(changed.forceFeedback);
+  return !instance_.forces.Contains(changed.forceFeedback);
 }
 
 }  // namespace omni::layer

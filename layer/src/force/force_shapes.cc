@@ -133,9 +133,9 @@ protocol::ForceConstraint InBase(const protocol::ForceConstraint& shape, const M
   return out;
 }
 
-bool SameConstraints(const protocol::ForceConstraints& told, const protocol::ForceConstraints& now) noexcept {
-  if (told.count != now.count) return false;
-  return std::equal(told.constraints.begin(), told.constraints.begin() + told.count, now.constraints.begin(),
+bool SameConstraints(const protocol::ForceConstraints& sent, const protocol::ForceConstraints& now) noexcept {
+  if (sent.count != now.count) return false;
+  return std::equal(sent.constraints.begin(), sent.constraints.begin() + sent.count, now.constraints.begin(),
                     SameAndStill);
 }
 

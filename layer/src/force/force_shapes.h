@@ -28,6 +28,6 @@ protocol::ForceConstraint InBase(const protocol::ForceConstraint& shape, const M
 std::array<double, 3> Clamped(const glm::dvec3& v, double limit) noexcept;
 
 // True: `now` is nothing new to the service, which extrapolates constraints by their velocity.
-bool SameConstraints(const protocol::ForceConstraints& told, const protocol::ForceConstraints& now) noexcept;
+bool SameConstraints(const protocol::ForceConstraints& sent, const protocol::ForceConstraints& now) noexcept;
 
 }  // namespace omni::layer

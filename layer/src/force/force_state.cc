@@ -37,14 +37,14 @@ ForceStatus StatusOf(const ForceSituation& situation) noexcept {
   return status;
 }
 
-bool ForceStatusWatch::Step(const ForceStatus& now, std::int64_t now_ns, ForceStatus& told) noexcept {
+bool ForceStatusWatch::Step(const ForceStatus& now, std::int64_t now_ns, ForceStatus& reported) noexcept {
   ForceStatus status = now;
   for (std::size_t i = 0; i < kFleeting.size(); ++i) {
     if (now.flags & kFleeting[i]) seen_ns_[i] = now_ns;
-    if (now_ns - seen_ns_[i] < GoneAfter_ns()) status.flags |= told_.flags & kFleeting[i];
+    if (now_ns - seen_ns_[i] < GoneAfter_ns()) status.flags |= reported_.flags & kFleeting[i];
   }
-  if (status == told_) return false;
-  told = told_ = status;
+  if (status == reported_) return false;
+  reported = reported_ = status;
   return true;
 }
 

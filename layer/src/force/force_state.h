@@ -27,12 +27,12 @@ ForceStatus StatusOf(const ForceSituation& situation) noexcept;
 // Bits that flicker with the hand's motion are reported as cleared only after half a second without them.
 class ForceStatusWatch {
  public:
-  explicit ForceStatusWatch(const ForceStatus& at_first) : told_(at_first) {}
+  explicit ForceStatusWatch(const ForceStatus& at_first) : reported_(at_first) {}
   // True: there is a change to report, in `told`.
-  bool Step(const ForceStatus& now, std::int64_t now_ns, ForceStatus& told) noexcept;
+  bool Step(const ForceStatus& now, std::int64_t now_ns, ForceStatus& reported) noexcept;
 
  private:
-  ForceStatus told_;
+  ForceStatus reported_;
   std::array<std::int64_t, 4> seen_ns_{};
 };
 

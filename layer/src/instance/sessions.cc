@@ -11,8 +11,8 @@ XrResult Instance::CreateSession(const XrSessionCreateInfo* info, XrSession* ses
   Alive();
   if (XR_FAILED(result)) return result;
   auto record = std::make_shared<Session>(*session, profiles, Choice(), hand_paths);
-  MakeAnchors(*record);
-  RequestBasePose(*record, info->systemId);
+  locator.MakeAnchors(*record);
+  alignment.RequestBasePose(*record, info->systemId);
   sessions.Insert(*session, std::move(record));
   return result;
 }
@@ -20,7 +20,7 @@ XrResult Instance::CreateSession(const XrSessionCreateInfo* info, XrSession* ses
 XrResult Instance::DestroySession(XrSession session) {
   const XrResult result = next.DestroySession(session);
   if (XR_FAILED(result)) return result;
-  DestroyForcesOf(session);
+  force_feedbacks.EndOf(session);
   haptic_scenes.EndOf(session);
   spaces.EraseIf([session](const Space& space) { return space.session && space.session->handle == session; });
   hand_trackers.EraseIf([session](const Session& owner) { return owner.handle == session; });
@@ -62,9 +62,8 @@ void Instance::SetFocus(Session& session, bool focused) {
   if (session.focused.exchange(focused) == focused) return;
   if (!focused) {
     session.focus_was_lost = true;
-    pcm_backlog.Clear();
-    link.HapticStop();
-    ForgetForces(session);
+    vibrations.Stop();
+    force_feedbacks.OnFocusLost(session);
   }
   ReportSessionState();
 }
@@ -97,12 +96,12 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
     } else if (event->type == XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING) {
       XrEventDataReferenceSpaceChangePending changed;
       std::memcpy(&changed, event, sizeof(changed));
-      OnSpaceChange(changed);
+      alignment.OnSpaceChange(changed);
     }
     return result;
   }
   if (result != XR_EVENT_UNAVAILABLE || !event) return result;
-  WatchForces();
+  force_feedbacks.Watch();
   XrSession due = XR_NULL_HANDLE;
   sessions.ForEach([&](Session& session) {
     if (due == XR_NULL_HANDLE && session.running && session.profile_event_due.exchange(false)) due = session.handle;
@@ -111,7 +110,7 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
     XrEventDataBuffer ours;
     do {
       if (!events.Pop(ours)) return result;
-    } while (IsOfDestroyedForce(ours) || haptic_scenes.IsOfDestroyed(ours));
+    } while (force_feedbacks.IsOfDestroyed(ours) || haptic_scenes.IsOfDestroyed(ours));
     *event = ours;
     return XR_SUCCESS;
   }
@@ -129,8 +128,8 @@ XrResult Instance::WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrF
     clock.OnFrame(*state, now);
     haptic_scenes.FollowSpace(session, state->predictedDisplayTime);
   }
-  FollowConstraints();
-  WatchForces();
+  force_feedbacks.FollowConstraints();
+  force_feedbacks.Watch();
   return result;
 }
 

@@ -217,7 +217,8 @@ XrResult HapticScenes::Place(XrHapticSceneOMNIX1 handle, const XrHapticScenePlac
   if (session == nullptr) return XR_ERROR_HANDLE_INVALID;
   const std::int64_t now_ns = base::MonotonicNow_ns();
   Located X_OS;
-  const XrResult found = instance_.LocateInBase(*session, placement->baseSpace, instance_.clock.ToXr(now_ns), X_OS);
+  const XrResult found =
+      instance_.locator.LocateInBase(*session, placement->baseSpace, instance_.clock.ToXr(now_ns), X_OS);
   if (XR_FAILED(found)) return found;
   const double scale = std::clamp(double{placement->scale}, protocol::kLeastSceneScale, protocol::kMostSceneScale);
   const std::lock_guard lock(mutex_);
@@ -251,7 +252,7 @@ void HapticScenes::FollowSpace(XrSession session_handle, XrTime time) {
   }
   const std::shared_ptr<Session> session = instance_.sessions.Find(session_handle);
   Located X_OS;
-  if (session == nullptr || XR_FAILED(instance_.LocateInBase(*session, placement.base, time, X_OS))) return;
+  if (session == nullptr || XR_FAILED(instance_.locator.LocateInBase(*session, placement.base, time, X_OS))) return;
   if (!IsThere(X_OS)) return;  // it stays where it was
   Motion X_SG;
   X_SG.X = placement.X_SG;
@@ -327,7 +328,7 @@ XrResult HapticScenes::MoveNodes(XrHapticSceneOMNIX1 handle, const XrHapticNodes
     }
     if (session == nullptr) return XR_ERROR_HANDLE_INVALID;
     Located located;
-    const XrResult found = instance_.LocateInBase(*session, info->baseSpace, info->time, located);
+    const XrResult found = instance_.locator.LocateInBase(*session, info->baseSpace, info->time, located);
     if (XR_FAILED(found)) return found;
     is_there = IsThere(located);
     X_OB = KnownMotion(located);

@@ -46,7 +46,7 @@ struct HapticScene {
   std::int64_t nodes_t_ns = 0;
   std::map<std::uint32_t, base::MaterialParameters> changed;  // by material
   bool enabled = true;
-  std::uint64_t told = 0;  // the connection over which it was sent; 0: none
+  std::uint64_t sent = 0;  // the connection over which it was sent; 0: none
 
   // As reported by the service.
   XrHapticSceneStatusOMNIX1 status = XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1;

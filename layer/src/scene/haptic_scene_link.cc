@@ -55,8 +55,8 @@ void HapticScenes::HandleUpdates() {
     return News{connection.connected(), connection.welcomes(), connection.PopHapticSceneUpdates()};
   });
   const bool failed = scene_->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1;
-  if (!failed && scene_->told != 0 && (!news.connected || scene_->told != news.welcomes)) {
-    scene_->told = 0;  // the service has forgotten it, or is gone
+  if (!failed && scene_->sent != 0 && (!news.connected || scene_->sent != news.welcomes)) {
+    scene_->sent = 0;  // the service has forgotten it, or is gone
     scene_->state = {};
     scene_->surfaces.clear();
     SetStatus(XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
@@ -67,7 +67,7 @@ void HapticScenes::HandleUpdates() {
       continue;
     }
     if (failed) continue;
-    if (update.state.number != scene_->number || scene_->told != news.welcomes) continue;
+    if (update.state.number != scene_->number || scene_->sent != news.welcomes) continue;
     if (update.state.generation != scene_->state.generation) scene_->surfaces.clear();
     scene_->state = update.state;
     scene_->text = std::move(update.text);
@@ -78,8 +78,8 @@ void HapticScenes::HandleUpdates() {
 // All of it, once per connection: what cannot be sent is retried at the next poll.
 void HapticScenes::NotifyAll() {
   if (scene_->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1) return;
-  scene_->told = instance_.link.With([this](client::Connection& connection) -> std::uint64_t {
-    if (!connection.connected() || scene_->told == connection.welcomes()) return scene_->told;
+  scene_->sent = instance_.link.With([this](client::Connection& connection) -> std::uint64_t {
+    if (!connection.connected() || scene_->sent == connection.welcomes()) return scene_->sent;
     protocol::HapticSceneLoad load;
     load.number = scene_->number;
     load.flags = scene_->flags;

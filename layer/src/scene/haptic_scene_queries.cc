@@ -98,7 +98,7 @@ XrResult HapticScenes::Contacts(XrHapticSceneOMNIX1 handle, const XrHapticContac
   }
   if (session == nullptr) return XR_ERROR_HANDLE_INVALID;
   Located X_OS;
-  const XrResult located = instance_.LocateInBase(*session, info->baseSpace, info->time, X_OS);
+  const XrResult located = instance_.locator.LocateInBase(*session, info->baseSpace, info->time, X_OS);
   if (XR_FAILED(located)) return located;
   protocol::ContactSnapshot snapshot;
   const auto reader = instance_.link.reader();

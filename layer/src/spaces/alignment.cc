@@ -17,16 +17,16 @@ BasePose Guess(bool valid) {
   return guess;
 }
 
-BasePose ToBasePose(const protocol::BasePose& told) {
-  const bool off = told.uncalibrated == protocol::Uncalibrated::kOff;
-  const bool front = told.uncalibrated == protocol::Uncalibrated::kFrontOfUser;
-  if (off || told.known == 0) return Guess(!off && front);
-  const auto& p = told.base_space.position_m;
-  const auto& q = told.base_space.orientation_wxyz;
+BasePose ToBasePose(const protocol::BasePose& received) {
+  const bool off = received.uncalibrated == protocol::Uncalibrated::kOff;
+  const bool front = received.uncalibrated == protocol::Uncalibrated::kFrontOfUser;
+  if (off || received.known == 0) return Guess(!off && front);
+  const auto& p = received.base_space.position_m;
+  const auto& q = received.base_space.orientation_wxyz;
   BasePose placement;
-  placement.space = static_cast<XrReferenceSpaceType>(told.space);
+  placement.space = static_cast<XrReferenceSpaceType>(received.space);
   placement.X_LO = {{p[0], p[1], p[2]}, glm::normalize(glm::dquat(q[0], q[1], q[2], q[3]))};
-  placement.tracked = told.doubtful == 0;
+  placement.tracked = received.doubtful == 0;
   return placement;
 }
 
@@ -37,15 +37,15 @@ protocol::WirePose ToWire(const XrPosef& pose) {
 
 }  // namespace
 
-void Instance::RequestBasePose(Session& session, XrSystemId system) {
+void Alignment::RequestBasePose(Session& session, XrSystemId system) {
   BasePose guess = Guess(true);
-  guess.tracked = link.test() != nullptr;  // a conformance test sets the device's pose itself
+  guess.tracked = instance_.link.test() != nullptr;  // a conformance test sets the device's pose itself
   session.placement.Set(guess, 0);
   XrInstanceProperties runtime{XR_TYPE_INSTANCE_PROPERTIES, nullptr, 0, {}};
   XrSystemProperties headset{XR_TYPE_SYSTEM_PROPERTIES, nullptr, 0, 0, {}, {}, {}};
-  if (XR_FAILED(next.GetInstanceProperties(handle, &runtime)) ||
-      XR_FAILED(next.GetSystemProperties(handle, system, &headset))) {
-    log.Line("the runtime does not name itself or its headset: the base is assumed in front of the user");
+  if (XR_FAILED(instance_.next.GetInstanceProperties(instance_.handle, &runtime)) ||
+      XR_FAILED(instance_.next.GetSystemProperties(instance_.handle, system, &headset))) {
+    instance_.log.Line("the runtime does not name itself or its headset: the base is assumed in front of the user");
     return;
   }
   protocol::BasePoseRequest request;
@@ -54,54 +54,56 @@ void Instance::RequestBasePose(Session& session, XrSystemId system) {
   for (std::size_t i = 0; i < kAnchorTypes.size(); ++i) {
     if (session.anchors[i] != XR_NULL_HANDLE) request.spaces[request.space_count++] = kAnchorTypes[i];
   }
-  if (request.space_count > 0) link.RequestBasePose(request);
+  if (request.space_count > 0) instance_.link.RequestBasePose(request);
 }
 
 // Called wherever the socket is polled; almost always there is nothing.
-void Instance::PopBasePose() {
-  const std::optional<protocol::BasePose> told = link.PopBasePose();
-  if (!told) return;
+void Alignment::Poll() {
+  const std::optional<protocol::BasePose> received = instance_.link.PopBasePose();
+  if (!received) return;
   {
-    const std::lock_guard lock(placement_mutex_);
-    placed_ = told;
+    const std::lock_guard lock(mutex_);
+    placed_ = received;
   }
   // Changes that the runtime has already made are in the service's file. A pending one is not, unless it says so.
-  const std::int64_t known_until_ns = std::max(
-      base::MonotonicNow_ns(), told->changes_until_ns == 0 ? 0 : told->changes_until_ns + protocol::kSameChange_ns);
-  BasePose placement = ToBasePose(*told);
-  if (link.test() != nullptr) placement.valid = placement.tracked = true;
-  for (const auto& session : sessions.Values()) session->placement.Set(placement, clock.ToXr(known_until_ns));
-  if (told->known == 0) log.Line("this headset is not aligned with the base: run `omni align`");
+  const std::int64_t known_until_ns =
+      std::max(base::MonotonicNow_ns(),
+               received->changes_until_ns == 0 ? 0 : received->changes_until_ns + protocol::kSameChange_ns);
+  BasePose placement = ToBasePose(*received);
+  if (instance_.link.test() != nullptr) placement.valid = placement.tracked = true;
+  for (const auto& session : instance_.sessions.Values())
+    session->placement.Set(placement, instance_.clock.ToXr(known_until_ns));
+  if (received->known == 0) instance_.log.Line("this headset is not aligned with the base: run `omni align`");
 }
 
-void Instance::OnSpaceChange(XrEventDataReferenceSpaceChangePending change) {
-  const auto session = sessions.Find(change.session);
+void Alignment::OnSpaceChange(XrEventDataReferenceSpaceChangePending change) {
+  const auto session = instance_.sessions.Find(change.session);
   if (!session) return;
   // Out of range or NaN: the new origin counts as unknown.
   const bool in_range = protocol::PoseProblem(ToWire(change.poseInPreviousSpace)) == nullptr;
   if (!in_range) change.poseValid = XR_FALSE;
   const bool news = ReportChange(change);
   if (!news || session->placement.OnChange(change)) return;
-  log.Line(
+  instance_.log.Line(
       "the runtime moves the origin of the base's reference space to an unknown place: the pen's poses are no longer "
       "tracked; run `omni align` again");
 }
 
 // Notifies the service, whose file follows. False: another application was faster, and our placement includes it.
-bool Instance::ReportChange(const XrEventDataReferenceSpaceChangePending& change) {
-  protocol::SpaceChange told;
-  told.space = change.referenceSpaceType;
-  told.pose_valid = change.poseValid ? 1 : 0;
-  told.changes_at_ns = clock.ToMonotonic(change.changeTime);
-  if (change.poseValid) told.new_in_previous = ToWire(change.poseInPreviousSpace);
+bool Alignment::ReportChange(const XrEventDataReferenceSpaceChangePending& change) {
+  protocol::SpaceChange report;
+  report.space = change.referenceSpaceType;
+  report.pose_valid = change.poseValid ? 1 : 0;
+  report.changes_at_ns = instance_.clock.ToMonotonic(change.changeTime);
+  if (change.poseValid) report.new_in_previous = ToWire(change.poseInPreviousSpace);
   {
-    const std::lock_guard lock(placement_mutex_);
-    if (placed_ && placed_->known == 1 && placed_->space == told.space && placed_->changes_until_ns != 0 &&
-        told.changes_at_ns <= placed_->changes_until_ns + protocol::kSameChange_ns) {
+    const std::lock_guard lock(mutex_);
+    if (placed_ && placed_->known == 1 && placed_->space == report.space && placed_->changes_until_ns != 0 &&
+        report.changes_at_ns <= placed_->changes_until_ns + protocol::kSameChange_ns) {
       return false;
     }
   }
-  link.SendSpaceChange(told);
+  instance_.link.SendSpaceChange(report);
   return true;
 }
 

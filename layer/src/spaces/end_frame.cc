@@ -17,23 +17,23 @@ Side LayerSide(const Instance& instance, const XrCompositionLayerBaseHeader* lay
 }  // namespace
 
 // If no layer is in a space of the pen, the application's own structure is passed down.
-XrResult Instance::EndFrame(XrSession session, const XrFrameEndInfo* info) {
-  link.Beat();
-  if (!ShowsLayers(info)) return next.EndFrame(session, info);
-  const auto is_ours = [&](const XrCompositionLayerBaseHeader* layer) { return LayerSide(*this, layer).ours(); };
+XrResult Locator::EndFrame(XrSession session, const XrFrameEndInfo* info) {
+  instance_.link.Beat();
+  if (!ShowsLayers(info)) return instance_.next.EndFrame(session, info);
+  const auto is_ours = [&](const XrCompositionLayerBaseHeader* layer) { return LayerSide(instance_, layer).ours(); };
   const bool ours = std::any_of(info->layers, info->layers + info->layerCount, is_ours);
-  if (!ours) return next.EndFrame(session, info);
+  if (!ours) return instance_.next.EndFrame(session, info);
 
   FrameLayers copies;
   std::vector<const XrCompositionLayerBaseHeader*> layers;
   layers.reserve(info->layerCount);
   for (std::uint32_t i = 0; i < info->layerCount; ++i) {
-    const Side side = LayerSide(*this, info->layers[i]);
+    const Side side = LayerSide(instance_, info->layers[i]);
     if (!side.ours() || side.session()->handle != session) {
       layers.push_back(info->layers[i]);
       continue;
     }
-    const PenAt pen = PenAtTime(*this, *side.session(), info->displayTime);
+    const PenAt pen = PenAtTime(instance_, *side.session(), info->displayTime);
     const Located X_LS = side.pen() ? pen.Locate(side.X_TS) : Located{};
     if ((X_LS.flags & kValid) != kValid) continue;  // its place is unknown: not shown
     layers.push_back(copies.Move(*info->layers[i], pen.anchor, X_LS.motion.X));
@@ -41,7 +41,7 @@ XrResult Instance::EndFrame(XrSession session, const XrFrameEndInfo* info) {
   XrFrameEndInfo changed = *info;
   changed.layerCount = static_cast<std::uint32_t>(layers.size());
   changed.layers = layers.empty() ? nullptr : layers.data();
-  return next.EndFrame(session, &changed);
+  return instance_.next.EndFrame(session, &changed);
 }
 
 }  // namespace omni::layer

@@ -47,50 +47,50 @@ void MoveHandExtras(const Located& X_SL, void* chain) {
 
 }  // namespace
 
-XrResult Instance::LocateViews(XrSession session, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity,
-                               uint32_t* count, XrView* views) {
-  link.Beat();
+XrResult Locator::LocateViews(XrSession session, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity,
+                              uint32_t* count, XrView* views) {
+  instance_.link.Beat();
   const bool readable = info && info->type == XR_TYPE_VIEW_LOCATE_INFO && state && state->type == XR_TYPE_VIEW_STATE;
-  const Side base = readable ? SideOf(*this, info->space) : Side{};
-  if (!base.ours()) return next.LocateViews(session, info, state, capacity, count, views);
+  const Side base = readable ? SideOf(instance_, info->space) : Side{};
+  if (!base.ours()) return instance_.next.LocateViews(session, info, state, capacity, count, views);
 
-  const PenAt pen = PenAtTime(*this, *base.session(), info->displayTime);
+  const PenAt pen = PenAtTime(instance_, *base.session(), info->displayTime);
   XrViewLocateInfo changed = *info;
   changed.space = pen.Below(base);
-  const XrResult result = next.LocateViews(session, &changed, state, capacity, count, views);
+  const XrResult result = instance_.next.LocateViews(session, &changed, state, capacity, count, views);
   if (XR_FAILED(result)) return result;
   MoveViews(AnchorIn(base, pen), *state, views, capacity == 0 ? 0 : std::min(capacity, *count));
   return result;
 }
 
-XrResult Instance::CreateHandTrackerEXT(XrSession session, const XrHandTrackerCreateInfoEXT* info,
-                                        XrHandTrackerEXT* tracker) {
-  const XrResult result = next.CreateHandTrackerEXT(session, info, tracker);
-  link.Beat();
-  auto record = sessions.Find(session);
-  if (XR_SUCCEEDED(result) && record) hand_trackers.Insert(*tracker, std::move(record));
+XrResult Locator::CreateHandTrackerEXT(XrSession session, const XrHandTrackerCreateInfoEXT* info,
+                                       XrHandTrackerEXT* tracker) {
+  const XrResult result = instance_.next.CreateHandTrackerEXT(session, info, tracker);
+  instance_.link.Beat();
+  auto record = instance_.sessions.Find(session);
+  if (XR_SUCCEEDED(result) && record) instance_.hand_trackers.Insert(*tracker, std::move(record));
   return result;
 }
 
-XrResult Instance::DestroyHandTrackerEXT(XrHandTrackerEXT tracker) {
-  const XrResult result = next.DestroyHandTrackerEXT(tracker);
-  link.Beat();
-  if (XR_SUCCEEDED(result)) hand_trackers.Erase(tracker);
+XrResult Locator::DestroyHandTrackerEXT(XrHandTrackerEXT tracker) {
+  const XrResult result = instance_.next.DestroyHandTrackerEXT(tracker);
+  instance_.link.Beat();
+  if (XR_SUCCEEDED(result)) instance_.hand_trackers.Erase(tracker);
   return result;
 }
 
-XrResult Instance::LocateHandJointsEXT(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
-                                       XrHandJointLocationsEXT* locations) {
-  link.Beat();
+XrResult Locator::LocateHandJointsEXT(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
+                                      XrHandJointLocationsEXT* locations) {
+  instance_.link.Beat();
   const bool readable = info && info->type == XR_TYPE_HAND_JOINTS_LOCATE_INFO_EXT && locations &&
                         locations->type == XR_TYPE_HAND_JOINT_LOCATIONS_EXT;
-  const Side base = readable ? SideOf(*this, info->baseSpace) : Side{};
-  if (!base.ours()) return next.LocateHandJointsEXT(tracker, info, locations);
+  const Side base = readable ? SideOf(instance_, info->baseSpace) : Side{};
+  if (!base.ours()) return instance_.next.LocateHandJointsEXT(tracker, info, locations);
 
-  const PenAt pen = PenAtTime(*this, *base.session(), info->time);
+  const PenAt pen = PenAtTime(instance_, *base.session(), info->time);
   XrHandJointsLocateInfoEXT changed = *info;
   changed.baseSpace = pen.Below(base);
-  const XrResult result = next.LocateHandJointsEXT(tracker, &changed, locations);
+  const XrResult result = instance_.next.LocateHandJointsEXT(tracker, &changed, locations);
   if (XR_FAILED(result)) return result;
   const Located X_SL = AnchorIn(base, pen);
   auto* const velocities = FindInChain<XrHandJointVelocitiesEXT>(locations->next, XR_TYPE_HAND_JOINT_VELOCITIES_EXT);

@@ -18,33 +18,33 @@ Side SideIn(const Instance& instance, const Session& session, XrSpace handle) {
 
 }  // namespace
 
-XrResult Instance::LocateSpaces(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* locations) {
-  return LocateSpacesThrough(next.LocateSpaces, session, info, locations);
+XrResult Locator::LocateSpaces(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* locations) {
+  return LocateSpacesThrough(instance_.next.LocateSpaces, session, info, locations);
 }
 
-XrResult Instance::LocateSpacesKHR(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* locations) {
-  return LocateSpacesThrough(next.LocateSpacesKHR, session, info, locations);
+XrResult Locator::LocateSpacesKHR(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* locations) {
+  return LocateSpacesThrough(instance_.next.LocateSpacesKHR, session, info, locations);
 }
 
 // The application's output is passed down as it is, so that the runtime checks its counts and fills what we do not
 // know.
-XrResult Instance::LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
-                                       XrSpaceLocations* locations) {
-  link.Beat();
-  const auto record = sessions.Find(session);
+XrResult Locator::LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
+                                      XrSpaceLocations* locations) {
+  instance_.link.Beat();
+  const auto record = instance_.sessions.Find(session);
   if (!record || !NamesSpaces(info, locations)) return below(session, info, locations);
-  const Side base = SideIn(*this, *record, info->baseSpace);
-  const auto is_ours = [&](XrSpace space) { return SideIn(*this, *record, space).ours(); };
+  const Side base = SideIn(instance_, *record, info->baseSpace);
+  const auto is_ours = [&](XrSpace space) { return SideIn(instance_, *record, space).ours(); };
   if (!base.ours() && std::none_of(info->spaces, info->spaces + info->spaceCount, is_ours))
     return below(session, info, locations);
 
-  const PenAt pen = PenAtTime(*this, *record, info->time);
+  const PenAt pen = PenAtTime(instance_, *record, info->time);
   std::vector<Side> sides;
   std::vector<XrSpace> asked;
   sides.reserve(info->spaceCount);
   asked.reserve(info->spaceCount);
   for (std::uint32_t i = 0; i < info->spaceCount; ++i) {
-    sides.push_back(SideIn(*this, *record, info->spaces[i]));
+    sides.push_back(SideIn(instance_, *record, info->spaces[i]));
     asked.push_back(pen.Below(sides.back()));
   }
   XrSpacesLocateInfo changed = *info;

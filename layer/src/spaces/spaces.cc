@@ -19,81 +19,81 @@ std::vector<XrReferenceSpaceType> SupportedSpaces(const Dispatch& next, XrSessio
 }  // namespace
 
 // LOCAL is always tried: every runtime must have it, and the default placement is given in it.
-void Instance::MakeAnchors(Session& session) {
-  const std::vector<XrReferenceSpaceType> offered = SupportedSpaces(next, session.handle);
+void Locator::MakeAnchors(Session& session) {
+  const std::vector<XrReferenceSpaceType> offered = SupportedSpaces(instance_.next, session.handle);
   for (std::size_t i = 0; i < kAnchorTypes.size(); ++i) {
     const XrReferenceSpaceType type = kAnchorTypes[i];
     const bool is_offered = std::find(offered.begin(), offered.end(), type) != offered.end();
     if (!is_offered && type != XR_REFERENCE_SPACE_TYPE_LOCAL) continue;
     const XrReferenceSpaceCreateInfo info{
         XR_TYPE_REFERENCE_SPACE_CREATE_INFO, nullptr, type, {{0, 0, 0, 1}, {0, 0, 0}}};
-    if (XR_FAILED(next.CreateReferenceSpace(session.handle, &info, &session.anchors[i])))
+    if (XR_FAILED(instance_.next.CreateReferenceSpace(session.handle, &info, &session.anchors[i])))
       session.anchors[i] = XR_NULL_HANDLE;
   }
   if (session.Anchor(XR_REFERENCE_SPACE_TYPE_LOCAL) == XR_NULL_HANDLE)
-    log.Line("the runtime has no LOCAL space: until the base is aligned the pen has no pose in this session");
+    instance_.log.Line("the runtime has no LOCAL space: until the base is aligned the pen has no pose in this session");
 }
 
-XrResult Instance::CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* info, XrSpace* space) {
-  const XrResult result = next.CreateActionSpace(session, info, space);
-  link.Beat();
-  const auto record = sessions.Find(session);
+XrResult Locator::CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* info, XrSpace* space) {
+  const XrResult result = instance_.next.CreateActionSpace(session, info, space);
+  instance_.link.Beat();
+  const auto record = instance_.sessions.Find(session);
   if (XR_FAILED(result) || !record) return result;
   auto made = std::make_shared<Space>();
   made->handle = *space;
   made->session = record;
-  made->action = actions.Find(info->action);
+  made->action = instance_.actions.Find(info->action);
   made->subaction = info->subactionPath;
   made->X_PS = FromXr(info->poseInActionSpace);
   if (!made->action) return result;
-  spaces.Insert(*space, made);
+  instance_.spaces.Insert(*space, made);
   const std::shared_lock lock(record->mutex);
   record->actions.Serve(*made);
   return result;
 }
 
-XrResult Instance::CreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInfo* info, XrSpace* space) {
-  const XrResult result = next.CreateReferenceSpace(session, info, space);
-  link.Beat();
-  const auto record = sessions.Find(session);
+XrResult Locator::CreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInfo* info, XrSpace* space) {
+  const XrResult result = instance_.next.CreateReferenceSpace(session, info, space);
+  instance_.link.Beat();
+  const auto record = instance_.sessions.Find(session);
   if (XR_FAILED(result) || !record) return result;
   auto made = std::make_shared<Space>();
   made->handle = *space;
   made->session = record;
   made->reference = info->referenceSpaceType;
-  spaces.Insert(*space, std::move(made));
+  instance_.spaces.Insert(*space, std::move(made));
   return result;
 }
 
-XrResult Instance::DestroySpace(XrSpace space) {
-  const XrResult result = next.DestroySpace(space);
-  link.Beat();
+XrResult Locator::DestroySpace(XrSpace space) {
+  const XrResult result = instance_.next.DestroySpace(space);
+  instance_.link.Beat();
   if (XR_SUCCEEDED(result)) {
-    ForgetSpace(space);
-    haptic_scenes.ForgetSpace(space);
-    spaces.Erase(space);
+    instance_.force_feedbacks.ForgetSpace(space);
+    instance_.haptic_scenes.ForgetSpace(space);
+    instance_.spaces.Erase(space);
   }
   return result;
 }
 
-void Instance::UpdateSpaces(const Session& session) {
-  spaces.ForEach([&](Space& space) {
+void Locator::UpdateSpaces(const Session& session) {
+  instance_.spaces.ForEach([&](Space& space) {
     if (space.action && space.session.get() == &session) session.actions.Serve(space);
   });
 }
 
 // One call down, into the application's own structure: the runtime fills what else is chained to it. It also checks
 // handles and time.
-XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location) {
-  link.Beat();
-  const Side s = SideOf(*this, space);
-  const Side b = SideOf(*this, base);
+XrResult Locator::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location) {
+  instance_.link.Beat();
+  const Side s = SideOf(instance_, space);
+  const Side b = SideOf(instance_, base);
   const bool one_session = !s.ours() || !b.ours() || s.session() == b.session();
   if ((!s.ours() && !b.ours()) || !one_session || !location || location->type != XR_TYPE_SPACE_LOCATION)
-    return next.LocateSpace(space, base, time, location);
+    return instance_.next.LocateSpace(space, base, time, location);
 
-  const PenAt pen = PenAtTime(*this, *(s.ours() ? s : b).session(), time);
-  const XrResult result = next.LocateSpace(pen.Below(s), pen.Below(b), time, location);
+  const PenAt pen = PenAtTime(instance_, *(s.ours() ? s : b).session(), time);
+  const XrResult result = instance_.next.LocateSpace(pen.Below(s), pen.Below(b), time, location);
   if (XR_FAILED(result)) return result;
   const LocationFields fields{&location->locationFlags, &location->pose};
   const VelocityFields velocity = FieldsOf(FindInChain<XrSpaceVelocity>(location->next, XR_TYPE_SPACE_VELOCITY));
@@ -101,10 +101,10 @@ XrResult Instance::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpace
   return result;
 }
 
-XrResult Instance::LocateInBase(const Session& session, XrSpace space, XrTime time, Located& X_OS) {
+XrResult Locator::LocateInBase(const Session& session, XrSpace space, XrTime time, Located& X_OS) {
   X_OS = {};
-  const Side s = SideOf(*this, space);
-  const PenAt pen = PenAtTime(*this, session, time);
+  const Side s = SideOf(instance_, space);
+  const PenAt pen = PenAtTime(instance_, session, time);
   if (s.pen() && s.session() == &session) {
     X_OS = PenIn(Pose{}, pen.tool, s.X_TS);
     return XR_SUCCESS;
@@ -113,7 +113,7 @@ XrResult Instance::LocateInBase(const Session& session, XrSpace space, XrTime ti
   if (pen.anchor == XR_NULL_HANDLE) return XR_SUCCESS;
   XrSpaceVelocity velocity{XR_TYPE_SPACE_VELOCITY, nullptr, 0, {0, 0, 0}, {0, 0, 0}};
   XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, &velocity, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
-  const XrResult result = next.LocateSpace(space, pen.anchor, time, &location);
+  const XrResult result = instance_.next.LocateSpace(space, pen.anchor, time, &location);
   if (XR_FAILED(result) || s.served_by == kServedByNobody || !pen.placement.valid) return result;
   Side anchor;
   anchor.served_by = 0;  // stands for L, as a space of the pen does

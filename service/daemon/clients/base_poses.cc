@@ -132,11 +132,11 @@ int BasePoses::FindFor(const protocol::BasePoseRequest& request) const {
 }
 
 void BasePoses::Request(ipc::ClientId id, const protocol::BasePoseRequest& request) {
-  clients_[id] = {.request = request, .told = false};
+  clients_[id] = {.request = request, .reported = false};
 }
 
 void BasePoses::NotifyAll() {
-  for (auto& [id, client] : clients_) client.told = false;
+  for (auto& [id, client] : clients_) client.reported = false;
 }
 
 void BasePoses::Changed(std::size_t index) {
@@ -285,7 +285,7 @@ BasePoses::Done BasePoses::SetPolicy(const protocol::BasePoseCommand& command) {
 
 void BasePoses::Notify(const std::function<bool(ipc::ClientId, const protocol::BasePose&)>& send) {
   for (auto& [id, client] : clients_) {
-    if (client.told) continue;
+    if (client.reported) continue;
     protocol::BasePose placement;
     placement.uncalibrated = static_cast<protocol::Uncalibrated>(file_.uncalibrated);
     if (const int found = FindFor(client.request); found >= 0) {
@@ -303,7 +303,7 @@ void BasePoses::Notify(const std::function<bool(ipc::ClientId, const protocol::B
       placement.changes_until_ns = live.changes_until_ns;
       placement.revision = live.revision;
     }
-    client.told = send(id, placement);
+    client.reported = send(id, placement);
   }
 }
 

@@ -57,7 +57,7 @@ class BasePoses {
   };
   struct Client {
     protocol::BasePoseRequest request;
-    bool told = false;
+    bool reported = false;
   };
   int Find(const protocol::HeadsetNames& headset, std::int32_t space) const;  // index; -1: none
   int FindToMove(ipc::ClientId id, std::int32_t space) const;

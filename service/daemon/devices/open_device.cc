@@ -35,8 +35,8 @@ base::Result<OpenedDevice> OpenUsb(const RunOptions& options, const std::string&
   if (!bus.ok()) return base::Error{bus.error()};
   base::Result<std::unique_ptr<device::Transport>> base = device::MakeUsbTransport(**bus, serial);
   if (!base.ok()) return base::Error{base.error()};
-  const std::string told = (*base)->info().serial;
-  return OpenedDevice{.transport = std::move(*base), .serial = told};
+  const std::string reported = (*base)->info().serial;
+  return OpenedDevice{.transport = std::move(*base), .serial = reported};
 }
 
 base::Result<OpenedDevice> OpenRecording(const RunOptions& options, const std::string& path) {

@@ -84,10 +84,10 @@ void KeyThread::Search() {
 void KeyThread::OpenPort(std::size_t rule, const std::string& path) {
   const auto free = std::find_if(open_.begin(), open_.end(), [](const Port& port) { return port.fd < 0; });
   if (free == open_.end()) {
-    return Tell(rule, path + ": is not read, the limit is " + std::to_string(kMaxKeyDevicesOpen) + " devices");
+    return Report(rule, path + ": is not read, the limit is " + std::to_string(kMaxKeyDevicesOpen) + " devices");
   }
   const base::Result<int> fd = ports_->Open(path, options_.devices[rule].grab);
-  if (!fd.ok()) return Tell(rule, fd.error());
+  if (!fd.ok()) return Report(rule, fd.error());
   *free = {.fd = *fd, .rule = rule, .path = path, .decoder = {}};
   problems_[rule].clear();
   spdlog::info("keys: reading {}{}", path, options_.devices[rule].grab ? " (grabbed)" : "");
@@ -127,7 +127,7 @@ void KeyThread::ClosePort(int index) {
   UpdateStatus();
 }
 
-void KeyThread::Tell(std::size_t rule, const std::string& problem) {
+void KeyThread::Report(std::size_t rule, const std::string& problem) {
   if (problems_[rule] == problem) return;
   problems_[rule] = problem;
   spdlog::warn("keys: {}", problem);

@@ -51,7 +51,7 @@ class KeyThread {
   void ReadPort(int index);
   void RequestAllKeys(int index, std::int64_t now_ns, bool& changed);
   void ClosePort(int index);
-  void Tell(std::size_t rule, const std::string& problem);
+  void Report(std::size_t rule, const std::string& problem);
   void UpdateStatus();
 
   const KeyThreadOptions options_;

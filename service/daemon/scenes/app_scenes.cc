@@ -211,7 +211,7 @@ protocol::HapticSceneState AppScenes::StateOf(const AppScene& scene, std::uint64
   return state;
 }
 
-void AppScenes::Tell(ipc::ClientId felt, std::uint64_t generation) {
+void AppScenes::Notify(ipc::ClientId felt, std::uint64_t generation) {
   for (auto& [id, scene] : scenes_) {
     if (scene.table_due) {
       if (!send_(id, HapticTableMessage(scene.number, *scene.built))) continue;
@@ -219,14 +219,15 @@ void AppScenes::Tell(ipc::ClientId felt, std::uint64_t generation) {
     }
     protocol::HapticSceneState state =
         StateOf(scene, id == felt && scene.enabled && scene.built != nullptr ? generation : 0);
-    const bool known = scene.told && scene.told->status == state.status && scene.told->generation == state.generation &&
-                       scene.told->scale == state.scale && scene.told->load_ns == state.load_ns &&
-                       scene.told->triangle_count == state.triangle_count;
+    const bool known = scene.reported && scene.reported->status == state.status &&
+                       scene.reported->generation == state.generation && scene.reported->scale == state.scale &&
+                       scene.reported->load_ns == state.load_ns &&
+                       scene.reported->triangle_count == state.triangle_count;
     if (known) continue;
     state.header.size = static_cast<std::uint32_t>(sizeof(state) + scene.text.size());
     std::string message(reinterpret_cast<const char*>(&state), sizeof(state));
     message += scene.text;
-    if (send_(id, message)) scene.told = state;
+    if (send_(id, message)) scene.reported = state;
   }
 }
 

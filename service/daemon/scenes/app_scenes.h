@@ -57,7 +57,7 @@ class AppScenes {
   void FillControl(ipc::ClientId id, std::uint64_t generation, loop::SceneControl& control) const;
 
   // Notifies every client of changes. `felt`: the client whose scene is active; `generation`: of that scene.
-  void Tell(ipc::ClientId felt, std::uint64_t generation);
+  void Notify(ipc::ClientId felt, std::uint64_t generation);
 
  private:
   struct AppScene {
@@ -74,7 +74,7 @@ class AppScenes {
     double felt_scale = 1;  // of `built`
     loop::SceneControl control;
     bool table_due = false;
-    std::optional<protocol::HapticSceneState> told;
+    std::optional<protocol::HapticSceneState> reported;
   };
   AppScene* Find(ipc::ClientId id, std::uint32_t number);
   void Request(ipc::ClientId id, AppScene& scene);

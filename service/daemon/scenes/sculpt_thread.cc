@@ -183,21 +183,21 @@ void SculptThread::Poll(Sculpted& sculpted) {
     try {
       const haptics::sculpt::ServeReport served = sculpted.sculpt_session(n).Poll();
       if (served.ended > 0) sculpted.benches[n].edited = ++edits_;
-      if (!served.problem.empty()) Tell(sculpted, n, served.problem);
+      if (!served.problem.empty()) Report(sculpted, n, served.problem);
     } catch (
         const std::exception& caught) {  // out of memory: the tick's surface stays, the one in progress may be torn
       sculpted.broken = true;
-      Tell(sculpted, n, std::string("cannot be sculpted any more (") + caught.what() + "); restart the application");
+      Report(sculpted, n, std::string("cannot be sculpted any more (") + caught.what() + "); restart the application");
     }
   }
 }
 
-void SculptThread::Tell(Sculpted& sculpted, std::size_t n, const std::string& problem) {
+void SculptThread::Report(Sculpted& sculpted, std::size_t n, const std::string& problem) {
   Bench& bench = sculpted.benches[n];
   const Clock::time_point now = Clock::now();
-  if (problem == bench.problem && now - bench.told < kSameProblemAfter) return;
+  if (problem == bench.problem && now - bench.reported < kSameProblemAfter) return;
   bench.problem = problem;
-  bench.told = now;
+  bench.reported = now;
   if (problems_.size() == kMaxWaiting) problems_.pop_front();
   problems_.push_back({sculpted.client, sculpted.file + ": " + sculpted.name(n) + ": " + problem});
 }

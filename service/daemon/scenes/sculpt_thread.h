@@ -79,9 +79,9 @@ class SculptThread {
   using Clock = std::chrono::steady_clock;
   // One sculpt session.
   struct Bench {
-    std::uint64_t edited = 0;  // when it was edited last, counted; 0: never
-    std::string problem;       // the newest one reported ...
-    Clock::time_point told;    // ... and when
+    std::uint64_t edited = 0;    // when it was edited last, counted; 0: never
+    std::string problem;         // the newest one reported ...
+    Clock::time_point reported;  // ... and when
   };
   struct Sculpted {
     std::uint64_t client = 0;
@@ -103,7 +103,7 @@ class SculptThread {
   };
   void Run();
   void Poll(Sculpted& sculpted);
-  void Tell(Sculpted& sculpted, std::size_t n, const std::string& problem);
+  void Report(Sculpted& sculpted, std::size_t n, const std::string& problem);
   void Execute(const Work& work, std::unique_lock<std::mutex>& lock);
   void Save(const Sculpted& sculpted, std::unique_lock<std::mutex>& lock, SculptAnswer& answer);
   void Step(Sculpted& sculpted, const SculptRequest& request, SculptAnswer& answer);

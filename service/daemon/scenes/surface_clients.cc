@@ -58,9 +58,9 @@ void SurfaceClients::Announce(const ipc::SurfacePublisher* memory) {
     message.total_bytes = memory->bytes();
     message.memory_generation = memory->id().memory_generation;
   }
-  for (auto& [id, told] : told_) {
-    if (told == message.memory_generation) continue;
-    if (send_(id, message, memory == nullptr ? -1 : memory->fd())) told = message.memory_generation;
+  for (auto& [id, reported] : told_) {
+    if (reported == message.memory_generation) continue;
+    if (send_(id, message, memory == nullptr ? -1 : memory->fd())) reported = message.memory_generation;
   }
 }
 

@@ -65,9 +65,9 @@ base::Result<std::unique_ptr<Transport>> MakeUsbTransport(UsbBus& bus, const std
     return base::Error{name + ": " + info.error()};
   }
   session->Begin(*info);
-  TransportInfo told{.name = "usb " + chosen->port, .serial = info->serial, .simulation = info->simulation};
+  TransportInfo reported{.name = "usb " + chosen->port, .serial = info->serial, .simulation = info->simulation};
   return std::unique_ptr<Transport>(
-      std::make_unique<UsbTransport>(std::move(session), std::move(*link), std::move(told)));
+      std::make_unique<UsbTransport>(std::move(session), std::move(*link), std::move(reported)));
 }
 
 }  // namespace omni::device

@@ -165,8 +165,8 @@ TEST(QemuProcess, DiesWithTheTestThatStartedIt) {
   if (tester == 0) {
     auto board = QemuBoard::Start({});
     const pid_t pid = board.ok() && (*board)->Step(LockstepRequest{}).ok() ? (*board)->pid() : -1;
-    const bool told = write(pipe_ends[1], &pid, sizeof pid) == sizeof pid;
-    if (told) pause();
+    const bool reported = write(pipe_ends[1], &pid, sizeof pid) == sizeof pid;
+    if (reported) pause();
     _exit(1);
   }
   pid_t qemu = -1;

@@ -248,9 +248,10 @@ std::string CompareSpace(const layer::SessionActions& layer, const std::shared_p
   return "the space is at another pose than " + wanted.pose;
 }
 
-std::string CompareAction(const Scenario& story, const layer::SessionActions& layer, const ActionModel& model, int i) {
-  const auto& action = story.actions[static_cast<std::size_t>(i)];
-  const ModelAction& m = story.model_actions[static_cast<std::size_t>(i)];
+std::string CompareAction(const Scenario& scenario, const layer::SessionActions& layer, const ActionModel& model,
+                          int i) {
+  const auto& action = scenario.actions[static_cast<std::size_t>(i)];
+  const ModelAction& m = scenario.model_actions[static_cast<std::size_t>(i)];
   for (const At at : {At::kNull, At::kLeft, At::kRight}) {
     if (at != At::kNull && !m.Declares(at)) continue;
     std::string why;
@@ -271,28 +272,28 @@ struct Seen {  // that the scenarios cover what they are meant to
   long active = 0, changed = 0, pen_spaces = 0, hand_overs = 0;
 };
 
-std::string Tell(std::uint64_t seed, Seen& seen) {
-  Scenario story(seed);
+std::string RunScenario(std::uint64_t seed, Seen& seen) {
+  Scenario scenario(seed);
   layer::SessionActions layer(AllProfiles(), {layer::Hand::kRight, ""}, {kPathOf[1], kPathOf[2]});
   std::vector<std::shared_ptr<layer::ActionSet>> sets;
-  for (const int set : story.attached) sets.push_back(story.sets[static_cast<std::size_t>(set)]);
-  layer.Attach(sets, story.actions, story.ForLayer());
-  ActionModel model(AllProfiles(), story.model_actions, story.suggestions, story.attached);
+  for (const int set : scenario.attached) sets.push_back(scenario.sets[static_cast<std::size_t>(set)]);
+  layer.Attach(sets, scenario.actions, scenario.ForLayer());
+  ActionModel model(AllProfiles(), scenario.model_actions, scenario.suggestions, scenario.attached);
   const layer::RuntimeClock clock(XR_NULL_HANDLE, nullptr);
   FakeRuntime runtime;
   for (int step = 0; step < kSyncsOfASequence; ++step) {
-    story.Live();
+    scenario.Live();
     const bool owned = layer.pen_owns_hand();
-    layer.Sync(story.InputForLayer(runtime), runtime, clock, story.sync.now);
-    model.Sync(story.sync);
+    layer.Sync(scenario.InputForLayer(runtime), runtime, clock, scenario.sync.now);
+    model.Sync(scenario.sync);
     seen.hand_overs += owned != layer.pen_owns_hand();
     const std::string where = "seed " + std::to_string(seed) + ", sync " + std::to_string(step);
     const std::string profile = layer.profile() ? layer.profile()->path : std::string();
     if (profile != model.Profile()) return where + ": profile " + profile + ", should be " + model.Profile();
-    for (int i = 0; i < static_cast<int>(story.actions.size()); ++i) {
-      const std::string why = CompareAction(story, layer, model, i);
+    for (int i = 0; i < static_cast<int>(scenario.actions.size()); ++i) {
+      const std::string why = CompareAction(scenario, layer, model, i);
       if (!why.empty()) return where + ", action " + std::to_string(i) + " " + why;
-      const layer::ActionState* any = layer.Find(*story.actions[static_cast<std::size_t>(i)], XR_NULL_PATH);
+      const layer::ActionState* any = layer.Find(*scenario.actions[static_cast<std::size_t>(i)], XR_NULL_PATH);
       seen.active += any && any->active;
       seen.changed += any && any->changed;
       seen.pen_spaces += model.Space(i, At::kNull).source == SpaceSource::kPen;
@@ -304,7 +305,7 @@ std::string Tell(std::uint64_t seed, Seen& seen) {
 TEST(StatesModel, RandomScenariosMatchTheReferenceModel) {
   Seen seen;
   for (std::uint64_t seed = 1; seed <= kSequences; ++seed) {
-    const std::string why = Tell(seed, seen);
+    const std::string why = RunScenario(seed, seen);
     ASSERT_EQ(why, "");
   }
   std::printf("%d sequences of %d syncs: %ld active states, %ld changes, %ld spaces of the pen, %ld hand-overs\n",

@@ -348,11 +348,11 @@ TEST(StatesModelStack, RandomApplicationsMatchTheReferenceModel) {
   long active = 0, changed = 0;
   for (std::uint64_t seed = 1; seed <= kScenarios; ++seed) {
     omni_test_reset();
-    StackScenario story(seed);
-    const std::string why = story.Run();
+    StackScenario scenario(seed);
+    const std::string why = scenario.Run();
     ASSERT_EQ(why, "") << "seed " << seed;
-    active += story.active_states;
-    changed += story.changes;
+    active += scenario.active_states;
+    changed += scenario.changes;
   }
   std::printf("%d scenarios of %d syncs over the whole stack: %ld active states, %ld changes\n", kScenarios,
               kSyncsPerScenario, active, changed);

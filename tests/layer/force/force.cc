@@ -216,10 +216,10 @@ TEST_F(Force, LosingFocusEndsForcesAndConstraints) {
   EXPECT_FALSE(State().isActive);
   EXPECT_NE(State().stateFlags & XR_FORCE_FEEDBACK_STATE_FOCUS_LOST_BIT_OMNIX1, 0U);
   const std::int64_t end = Now_ns() + 5'000'000'000;
-  const auto told = [&] {
+  const auto reported = [&] {
     return Count<protocol::ForceStop>() > 0 && service_.heard().last_session() == protocol::SessionState::kBegun;
   };
-  while (!told() && Now_ns() < end) app_->Poll();
+  while (!reported() && Now_ns() < end) app_->Poll();
   EXPECT_EQ(Count<protocol::ForceStop>(), 1U);
   EXPECT_EQ(service_.heard().last_session(), protocol::SessionState::kBegun);
   omni_test_set_focus(1);

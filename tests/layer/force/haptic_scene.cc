@@ -23,70 +23,70 @@ TEST(HapticScene, FunctionsNeedBothExtensions) {
 }
 
 TEST(HapticScene, SendsDocumentAndReportsServiceState) {
-  SceneScenario story;
-  ASSERT_EQ(story.Create(), XR_SUCCESS);
-  EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
+  SceneScenario scenario;
+  ASSERT_EQ(scenario.Create(), XR_SUCCESS);
+  EXPECT_EQ(scenario.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
   XrHapticSceneOMNIX1 second = XR_NULL_HANDLE;
   const std::uint8_t byte = 0;
   XrHapticSceneCreateInfoOMNIX1 info{XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1, nullptr, 0, 1, &byte};
-  EXPECT_EQ(story.f->create(story.app->session, &info, &second), XR_ERROR_LIMIT_REACHED);
-  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_documents.empty(); }));
-  EXPECT_EQ(story.service->heard().scene_documents[0], kDocument);
+  EXPECT_EQ(scenario.f->create(scenario.app->session, &info, &second), XR_ERROR_LIMIT_REACHED);
+  ASSERT_TRUE(scenario.Until([&] { return !scenario.service->heard().scene_documents.empty(); }));
+  EXPECT_EQ(scenario.service->heard().scene_documents[0], kDocument);
   std::uint32_t count = 0;
-  EXPECT_EQ(story.f->nodes(story.scene, 0, &count, nullptr), XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1);
-  const std::uint32_t number = story.service->heard().scene_loads[0].number;
-  story.service->Say(SceneTableMessage(number, TwoNodes()));
-  story.SayState(number, protocol::HapticSceneStatus::kReady, 9, "a warning");
-  ASSERT_TRUE(
-      story.Until([&] { return story.app->CountEvents(XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1) > 0; }));
-  const XrHapticSceneStateOMNIX1 state = story.State();
+  EXPECT_EQ(scenario.f->nodes(scenario.scene, 0, &count, nullptr), XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1);
+  const std::uint32_t number = scenario.service->heard().scene_loads[0].number;
+  scenario.service->Say(SceneTableMessage(number, TwoNodes()));
+  scenario.SayState(number, protocol::HapticSceneStatus::kReady, 9, "a warning");
+  ASSERT_TRUE(scenario.Until(
+      [&] { return scenario.app->CountEvents(XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1) > 0; }));
+  const XrHapticSceneStateOMNIX1 state = scenario.State();
   EXPECT_EQ(state.status, XR_HAPTIC_SCENE_STATUS_READY_OMNIX1);
   EXPECT_EQ(state.isFelt, XR_TRUE);
   EXPECT_EQ(state.nodeCount, 2u);
   EXPECT_EQ(state.triangleCount, 12u);
   EXPECT_EQ(state.loadTime, 5'000'000);
-  EXPECT_EQ(story.Diagnostics(), "a warning");
-  ASSERT_EQ(story.f->nodes(story.scene, 0, &count, nullptr), XR_SUCCESS);
+  EXPECT_EQ(scenario.Diagnostics(), "a warning");
+  ASSERT_EQ(scenario.f->nodes(scenario.scene, 0, &count, nullptr), XR_SUCCESS);
   ASSERT_EQ(count, 2u);
   XrHapticSceneNodeOMNIX1 nodes[2] = {{XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1}, {XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1}};
-  EXPECT_EQ(story.f->nodes(story.scene, 1, &count, nodes), XR_ERROR_SIZE_INSUFFICIENT);
-  ASSERT_EQ(story.f->nodes(story.scene, 2, &count, nodes), XR_SUCCESS);
+  EXPECT_EQ(scenario.f->nodes(scenario.scene, 1, &count, nodes), XR_ERROR_SIZE_INSUFFICIENT);
+  ASSERT_EQ(scenario.f->nodes(scenario.scene, 2, &count, nodes), XR_SUCCESS);
   EXPECT_STREQ(nodes[0].name, "still");
   EXPECT_EQ(nodes[1].gltfNode, 2);
   EXPECT_EQ(nodes[0].flags, XR_HAPTIC_NODE_SOFT_BIT_OMNIX1);
   EXPECT_EQ(nodes[1].flags, XR_HAPTIC_NODE_KINEMATIC_BIT_OMNIX1);
   EXPECT_FLOAT_EQ(nodes[1].restPose.position.y, 0.3f);
-  EXPECT_EQ(story.f->destroy(story.scene), XR_SUCCESS);
-  EXPECT_EQ(story.f->destroy(story.scene), XR_ERROR_HANDLE_INVALID);
-  EXPECT_TRUE(story.Until([&] { return story.service->heard().scene_ends.size() == 1; }));
-  EXPECT_EQ(story.Create(), XR_SUCCESS) << "after the first one is destroyed";
+  EXPECT_EQ(scenario.f->destroy(scenario.scene), XR_SUCCESS);
+  EXPECT_EQ(scenario.f->destroy(scenario.scene), XR_ERROR_HANDLE_INVALID);
+  EXPECT_TRUE(scenario.Until([&] { return scenario.service->heard().scene_ends.size() == 1; }));
+  EXPECT_EQ(scenario.Create(), XR_SUCCESS) << "after the first one is destroyed";
 }
 
 TEST(HapticScene, FailedSceneReportsWhyAndCanOnlyBeDestroyed) {
-  SceneScenario story;
-  ASSERT_EQ(story.Create(), XR_SUCCESS);
-  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_loads.empty(); }));
-  story.SayState(story.service->heard().scene_loads[0].number, protocol::HapticSceneStatus::kFailed, 0,
-                 "document: /meshes/3: is broken");
-  ASSERT_TRUE(story.Until([&] { return story.State().status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1; }));
-  EXPECT_NE(story.Diagnostics().find("/meshes/3"), std::string::npos);
+  SceneScenario scenario;
+  ASSERT_EQ(scenario.Create(), XR_SUCCESS);
+  ASSERT_TRUE(scenario.Until([&] { return !scenario.service->heard().scene_loads.empty(); }));
+  scenario.SayState(scenario.service->heard().scene_loads[0].number, protocol::HapticSceneStatus::kFailed, 0,
+                    "document: /meshes/3: is broken");
+  ASSERT_TRUE(scenario.Until([&] { return scenario.State().status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1; }));
+  EXPECT_NE(scenario.Diagnostics().find("/meshes/3"), std::string::npos);
   std::uint32_t count = 0;
-  EXPECT_EQ(story.f->nodes(story.scene, 0, &count, nullptr), XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
-  EXPECT_EQ(story.f->enable(story.scene, XR_TRUE), XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
-  EXPECT_EQ(story.f->destroy(story.scene), XR_SUCCESS);
+  EXPECT_EQ(scenario.f->nodes(scenario.scene, 0, &count, nullptr), XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
+  EXPECT_EQ(scenario.f->enable(scenario.scene, XR_TRUE), XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
+  EXPECT_EQ(scenario.f->destroy(scenario.scene), XR_SUCCESS);
 }
 
 // The document's frame at a placement in LOCAL: where the service puts the scene, against the algebra written out.
 TEST(HapticScene, PlacementIsSentInBaseFrame) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
-  const XrSpace local = story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
+  const XrSpace local = scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   XrHapticScenePlacementOMNIX1 placement{
       XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1, nullptr, local, {{0, 0, 0, 1}, {0, 0, 0}}, 2};
   placement.pose = {{0, std::sqrt(0.5f), 0, std::sqrt(0.5f)}, {0.1f, 0.2f, -0.3f}};
-  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
-  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_places.empty(); }));
-  const protocol::HapticScenePlace place = story.service->heard().scene_places.back();
+  ASSERT_EQ(scenario.f->place(scenario.scene, &placement), XR_SUCCESS);
+  ASSERT_TRUE(scenario.Until([&] { return !scenario.service->heard().scene_places.empty(); }));
+  const protocol::HapticScenePlace place = scenario.service->heard().scene_places.back();
   EXPECT_EQ(place.scale, 2);
   // A point of the document: placed by the application in LOCAL; by the message in the base, then in LOCAL.
   const layer::Pose X_LO = layer::DefaultBasePose();
@@ -101,26 +101,26 @@ TEST(HapticScene, PlacementIsSentInBaseFrame) {
   EXPECT_NEAR(told_L.x, p_L.x, 1e-6);
   EXPECT_NEAR(told_L.y, p_L.y, 1e-6);
   EXPECT_NEAR(told_L.z, p_L.z, 1e-6);
-  EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1) << "another scale is another scene";
+  EXPECT_EQ(scenario.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1) << "another scale is another scene";
 }
 
 // A node at rest is sent as no motion; a move, a turn and a velocity as what they do to the document's points.
 TEST(HapticScene, NodePosesAreSentRelativeToRestPose) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
   XrHapticSceneNodeOMNIX1 nodes[2] = {{XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1}, {XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1}};
   std::uint32_t count = 0;
-  ASSERT_EQ(story.f->nodes(story.scene, 2, &count, nodes), XR_SUCCESS);
+  ASSERT_EQ(scenario.f->nodes(scenario.scene, 2, &count, nodes), XR_SUCCESS);
   XrHapticNodePoseOMNIX1 pose{nodes[1].node, 0, nodes[1].restPose, {0, 0, 0}, {0, 0, 0}};
   XrHapticNodesUpdateInfoOMNIX1 info{
       XR_TYPE_HAPTIC_NODES_UPDATE_INFO_OMNIX1, nullptr, XR_NULL_HANDLE, Now_ns() + kRuntimeOffset_ns, 1, &pose};
-  const auto told = [&](std::size_t n) {
-    EXPECT_TRUE(story.Until([&] { return story.service->heard().scene_nodes.size() >= n; }));
-    const auto heard = story.service->heard().scene_nodes;
+  const auto reported = [&](std::size_t n) {
+    EXPECT_TRUE(scenario.Until([&] { return scenario.service->heard().scene_nodes.size() >= n; }));
+    const auto heard = scenario.service->heard().scene_nodes;
     return heard.empty() ? protocol::HapticNodes{} : heard.back();
   };
-  ASSERT_EQ(story.f->move(story.scene, &info), XR_SUCCESS);
-  const protocol::HapticNodes rest = told(1);
+  ASSERT_EQ(scenario.f->move(scenario.scene, &info), XR_SUCCESS);
+  const protocol::HapticNodes rest = reported(1);
   ASSERT_EQ(rest.count, 1u);
   EXPECT_EQ(rest.nodes[0].object, 1u);
   EXPECT_NEAR(static_cast<double>(rest.t_ns), static_cast<double>(info.time - kRuntimeOffset_ns), 2e6);
@@ -132,8 +132,8 @@ TEST(HapticScene, NodePosesAreSentRelativeToRestPose) {
   pose.linearVelocity = {0, 1, 0};
   pose.angularVelocity = {0, 2, 0};
   pose.flags = XR_HAPTIC_NODE_POSE_TELEPORT_BIT_OMNIX1;
-  ASSERT_EQ(story.f->move(story.scene, &info), XR_SUCCESS);
-  const protocol::HapticNodePose turned = told(2).nodes[0];
+  ASSERT_EQ(scenario.f->move(scenario.scene, &info), XR_SUCCESS);
+  const protocol::HapticNodePose turned = reported(2).nodes[0];
   EXPECT_EQ(turned.flags, protocol::kPoseLeaps);
   const auto& q = turned.pose.rotation_wxyz;
   const auto& t = turned.pose.position_m;
@@ -154,43 +154,43 @@ TEST(HapticScene, NodePosesAreSentRelativeToRestPose) {
   EXPECT_NEAR(w[2], 2, 1e-6);
 
   pose.node = nodes[0].node;
-  EXPECT_EQ(story.f->move(story.scene, &info), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1) << "it is not kinematic";
+  EXPECT_EQ(scenario.f->move(scenario.scene, &info), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1) << "it is not kinematic";
   pose.node = 77;
-  EXPECT_EQ(story.f->move(story.scene, &info), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
+  EXPECT_EQ(scenario.f->move(scenario.scene, &info), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
   pose.pose.orientation = {0, 0, 0, 0};
-  EXPECT_EQ(story.f->move(story.scene, &info), XR_ERROR_POSE_INVALID);
+  EXPECT_EQ(scenario.f->move(scenario.scene, &info), XR_ERROR_POSE_INVALID);
   pose.pose = nodes[1].restPose;
   pose.linearVelocity.x = std::nanf("");
-  EXPECT_EQ(story.f->move(story.scene, &info), XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(scenario.f->move(scenario.scene, &info), XR_ERROR_VALIDATION_FAILURE);
   info.time = 0;
-  EXPECT_EQ(story.f->move(story.scene, &info), XR_ERROR_TIME_INVALID);
-  EXPECT_EQ(story.service->heard().scene_nodes.size(), 2u) << "what fails changes nothing";
+  EXPECT_EQ(scenario.f->move(scenario.scene, &info), XR_ERROR_TIME_INVALID);
+  EXPECT_EQ(scenario.service->heard().scene_nodes.size(), 2u) << "what fails changes nothing";
 }
 
 TEST(HapticScene, MaterialsAreReadSetAndClampedToRange) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
   XrHapticMaterialOMNIX1 material{XR_TYPE_HAPTIC_MATERIAL_OMNIX1};
-  ASSERT_EQ(story.f->get_material(story.scene, 0, &material), XR_SUCCESS);
+  ASSERT_EQ(scenario.f->get_material(scenario.scene, 0, &material), XR_SUCCESS);
   EXPECT_EQ(material.stiffness, 444);
-  EXPECT_EQ(story.f->get_material(story.scene, 1, &material), XR_ERROR_INDEX_OUT_OF_RANGE);
+  EXPECT_EQ(scenario.f->get_material(scenario.scene, 1, &material), XR_ERROR_INDEX_OUT_OF_RANGE);
   material.stiffness = 1e6f;
   material.staticFriction = 0.3f;
   material.dynamicFriction = 0.7f;
-  ASSERT_EQ(story.f->set_material(story.scene, 0, &material), XR_SUCCESS);
-  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_materials.empty(); }));
-  const base::MaterialParameters told = story.service->heard().scene_materials[0].parameters;
-  EXPECT_EQ(told.stiffness_N_m, 2000);
-  EXPECT_FLOAT_EQ(static_cast<float>(told.dynamic_friction), 0.3f) << "never above the static one";
-  ASSERT_EQ(story.f->get_material(story.scene, 0, &material), XR_SUCCESS);
+  ASSERT_EQ(scenario.f->set_material(scenario.scene, 0, &material), XR_SUCCESS);
+  ASSERT_TRUE(scenario.Until([&] { return !scenario.service->heard().scene_materials.empty(); }));
+  const base::MaterialParameters reported = scenario.service->heard().scene_materials[0].parameters;
+  EXPECT_EQ(reported.stiffness_N_m, 2000);
+  EXPECT_FLOAT_EQ(static_cast<float>(reported.dynamic_friction), 0.3f) << "never above the static one";
+  ASSERT_EQ(scenario.f->get_material(scenario.scene, 0, &material), XR_SUCCESS);
   EXPECT_EQ(material.stiffness, 2000);
   material.damping = std::nanf("");
-  EXPECT_EQ(story.f->set_material(story.scene, 0, &material), XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(scenario.f->set_material(scenario.scene, 0, &material), XR_ERROR_VALIDATION_FAILURE);
 }
 
 TEST(HapticScene, ContactsAreReportedInRequestedSpace) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
   protocol::ContactSnapshot touched;
   touched.scene_generation = 9;
   touched.count = 1;
@@ -202,16 +202,16 @@ TEST(HapticScene, ContactsAreReportedInRequestedSpace) {
   contact.slip_base_m_s = {0.2, 0, 0};
   contact.normal_force_N = 0.5;
   contact.penetration_m = 0.001;
-  story.service->SetContacts(touched);
-  story.service->Fill();
-  const XrSpace local = story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
+  scenario.service->SetContacts(touched);
+  scenario.service->Fill();
+  const XrSpace local = scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   XrHapticContactsGetInfoOMNIX1 info{XR_TYPE_HAPTIC_CONTACTS_GET_INFO_OMNIX1, nullptr, local,
                                      Now_ns() + kRuntimeOffset_ns};
   std::uint32_t count = 0;
-  ASSERT_TRUE(story.Until(
-      [&] { return story.f->contacts(story.scene, &info, 0, &count, nullptr) == XR_SUCCESS && count == 1; }));
+  ASSERT_TRUE(scenario.Until(
+      [&] { return scenario.f->contacts(scenario.scene, &info, 0, &count, nullptr) == XR_SUCCESS && count == 1; }));
   XrHapticContactOMNIX1 got{XR_TYPE_HAPTIC_CONTACT_OMNIX1};
-  ASSERT_EQ(story.f->contacts(story.scene, &info, 1, &count, &got), XR_SUCCESS);
+  ASSERT_EQ(scenario.f->contacts(scenario.scene, &info, 1, &count, &got), XR_SUCCESS);
   const layer::Pose X_LO = layer::DefaultBasePose();
   const glm::dvec3 p_L = X_LO.p + X_LO.q * glm::dvec3(0.01, 0.02, 0.05);
   EXPECT_NEAR(got.point.x, p_L.x, 1e-6);
@@ -223,28 +223,28 @@ TEST(HapticScene, ContactsAreReportedInRequestedSpace) {
   EXPECT_GT(got.time, 0);
   // Contacts of another scene: none of ours is touched.
   touched.scene_generation = 10;
-  story.service->SetContacts(touched);
-  ASSERT_TRUE(story.Until(
-      [&] { return story.f->contacts(story.scene, &info, 0, &count, nullptr) == XR_SUCCESS && count == 0; }));
+  scenario.service->SetContacts(touched);
+  ASSERT_TRUE(scenario.Until(
+      [&] { return scenario.f->contacts(scenario.scene, &info, 0, &count, nullptr) == XR_SUCCESS && count == 0; }));
   info.time = 0;
-  EXPECT_EQ(story.f->contacts(story.scene, &info, 0, &count, nullptr), XR_ERROR_TIME_INVALID);
+  EXPECT_EQ(scenario.f->contacts(scenario.scene, &info, 0, &count, nullptr), XR_ERROR_TIME_INVALID);
 }
 
 // The service is replaced: the same scene is loaded in the new one, with all that was set.
 TEST(HapticScene, SceneIsReloadedInRestartedService) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
   XrHapticMaterialOMNIX1 material{XR_TYPE_HAPTIC_MATERIAL_OMNIX1};
-  ASSERT_EQ(story.f->get_material(story.scene, 0, &material), XR_SUCCESS);
+  ASSERT_EQ(scenario.f->get_material(scenario.scene, 0, &material), XR_SUCCESS);
   material.stiffness = 100;
-  ASSERT_EQ(story.f->set_material(story.scene, 0, &material), XR_SUCCESS);
-  ASSERT_EQ(story.f->enable(story.scene, XR_FALSE), XR_SUCCESS);
-  story.service = nullptr;
-  ASSERT_TRUE(story.Until([&] { return story.State().status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1; }));
-  EXPECT_NE(story.Diagnostics().find("waiting for omnid"), std::string::npos);
-  story.service = std::make_unique<FakeService>();
-  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_enables.empty(); }));
-  const Heard heard = story.service->heard();
+  ASSERT_EQ(scenario.f->set_material(scenario.scene, 0, &material), XR_SUCCESS);
+  ASSERT_EQ(scenario.f->enable(scenario.scene, XR_FALSE), XR_SUCCESS);
+  scenario.service = nullptr;
+  ASSERT_TRUE(scenario.Until([&] { return scenario.State().status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1; }));
+  EXPECT_NE(scenario.Diagnostics().find("waiting for omnid"), std::string::npos);
+  scenario.service = std::make_unique<FakeService>();
+  ASSERT_TRUE(scenario.Until([&] { return !scenario.service->heard().scene_enables.empty(); }));
+  const Heard heard = scenario.service->heard();
   ASSERT_EQ(heard.scene_documents.size(), 1u);
   EXPECT_EQ(heard.scene_documents[0], kDocument);
   ASSERT_EQ(heard.scene_materials.size(), 1u);
@@ -253,36 +253,36 @@ TEST(HapticScene, SceneIsReloadedInRestartedService) {
 }
 
 TEST(HapticScene, WaitsForServiceAndThenLoads) {
-  SceneScenario story(false);
-  ASSERT_EQ(story.Create(), XR_SUCCESS);
-  EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
-  EXPECT_NE(story.Diagnostics().find("waiting for omnid"), std::string::npos);
-  story.service = std::make_unique<FakeService>();
-  EXPECT_TRUE(story.Until([&] { return !story.service->heard().scene_loads.empty(); }));
+  SceneScenario scenario(false);
+  ASSERT_EQ(scenario.Create(), XR_SUCCESS);
+  EXPECT_EQ(scenario.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
+  EXPECT_NE(scenario.Diagnostics().find("waiting for omnid"), std::string::npos);
+  scenario.service = std::make_unique<FakeService>();
+  EXPECT_TRUE(scenario.Until([&] { return !scenario.service->heard().scene_loads.empty(); }));
 }
 
 TEST(HapticScene, EndsWithItsSession) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
-  ASSERT_EQ(xrEndSession(story.app->session), XR_ERROR_SESSION_NOT_STOPPING);
-  ASSERT_EQ(xrDestroySession(story.app->session), XR_SUCCESS);
-  story.app->session = XR_NULL_HANDLE;
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
+  ASSERT_EQ(xrEndSession(scenario.app->session), XR_ERROR_SESSION_NOT_STOPPING);
+  ASSERT_EQ(xrDestroySession(scenario.app->session), XR_SUCCESS);
+  scenario.app->session = XR_NULL_HANDLE;
   XrHapticSceneStateOMNIX1 state{XR_TYPE_HAPTIC_SCENE_STATE_OMNIX1};
-  EXPECT_EQ(story.f->state(story.scene, &state), XR_ERROR_HANDLE_INVALID);
-  EXPECT_TRUE(story.Until([&] { return !story.service->heard().scene_ends.empty(); }));
+  EXPECT_EQ(scenario.f->state(scenario.scene, &state), XR_ERROR_HANDLE_INVALID);
+  EXPECT_TRUE(scenario.Until([&] { return !scenario.service->heard().scene_ends.empty(); }));
 }
 
 TEST(HapticScene, InvalidArgumentsAreRejected) {
-  SceneScenario story;
+  SceneScenario scenario;
   const std::uint8_t byte = 0;
   const XrHapticSceneCreateInfoOMNIX1 good{XR_TYPE_HAPTIC_SCENE_CREATE_INFO_OMNIX1, nullptr, 0, 1, &byte};
   const auto create = [&](auto change) {
     XrHapticSceneCreateInfoOMNIX1 info = good;
     change(info);
-    return story.f->create(story.app->session, &info, &story.scene);
+    return scenario.f->create(scenario.app->session, &info, &scenario.scene);
   };
-  EXPECT_EQ(story.f->create(story.app->session, nullptr, &story.scene), XR_ERROR_VALIDATION_FAILURE);
-  EXPECT_EQ(story.f->create(story.app->session, &good, nullptr), XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(scenario.f->create(scenario.app->session, nullptr, &scenario.scene), XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(scenario.f->create(scenario.app->session, &good, nullptr), XR_ERROR_VALIDATION_FAILURE);
   EXPECT_EQ(create([](auto& i) { i.type = XR_TYPE_SESSION_CREATE_INFO; }), XR_ERROR_VALIDATION_FAILURE);
   EXPECT_EQ(create([](auto& i) { i.bufferByteCount = 0; }), XR_ERROR_VALIDATION_FAILURE);
   EXPECT_EQ(create([](auto& i) { i.bufferByteCount = XR_MAX_HAPTIC_SCENE_BYTES_OMNIX1 + 1; }),
@@ -291,26 +291,26 @@ TEST(HapticScene, InvalidArgumentsAreRejected) {
   EXPECT_EQ(create([](auto& i) { i.createFlags = 4; }), XR_ERROR_VALIDATION_FAILURE);
   const auto wrong = reinterpret_cast<XrHapticSceneOMNIX1>(std::uintptr_t{0x1234560});
   XrHapticSceneStateOMNIX1 state{XR_TYPE_HAPTIC_SCENE_STATE_OMNIX1};
-  EXPECT_EQ(story.f->state(wrong, &state), XR_ERROR_HANDLE_INVALID);
-  EXPECT_EQ(story.f->enable(wrong, XR_TRUE), XR_ERROR_HANDLE_INVALID);
-  ASSERT_TRUE(story.GetReady());
+  EXPECT_EQ(scenario.f->state(wrong, &state), XR_ERROR_HANDLE_INVALID);
+  EXPECT_EQ(scenario.f->enable(wrong, XR_TRUE), XR_ERROR_HANDLE_INVALID);
+  ASSERT_TRUE(scenario.GetReady());
   state.type = XR_TYPE_SESSION_CREATE_INFO;
-  EXPECT_EQ(story.f->state(story.scene, &state), XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(scenario.f->state(scenario.scene, &state), XR_ERROR_VALIDATION_FAILURE);
   XrHapticScenePlacementOMNIX1 placement{XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1,
                                          nullptr,
-                                         story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL),
+                                         scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL),
                                          {{0, 0, 0, 0}, {0, 0, 0}},
                                          1};
-  EXPECT_EQ(story.f->place(story.scene, &placement), XR_ERROR_POSE_INVALID);
+  EXPECT_EQ(scenario.f->place(scenario.scene, &placement), XR_ERROR_POSE_INVALID);
   placement.pose = {{0, 0, 0, 1}, {0, 1e7f, 0}};
-  EXPECT_EQ(story.f->place(story.scene, &placement), XR_ERROR_POSE_INVALID);
+  EXPECT_EQ(scenario.f->place(scenario.scene, &placement), XR_ERROR_POSE_INVALID);
   placement.pose.position.y = 0;
   placement.scale = std::nanf("");
-  EXPECT_EQ(story.f->place(story.scene, &placement), XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(scenario.f->place(scenario.scene, &placement), XR_ERROR_VALIDATION_FAILURE);
   placement.scale = 1;
   placement.baseSpace = reinterpret_cast<XrSpace>(std::uintptr_t{0x77});
-  EXPECT_EQ(story.f->place(story.scene, &placement), XR_ERROR_HANDLE_INVALID);
-  EXPECT_TRUE(story.service->heard().scene_places.empty());
+  EXPECT_EQ(scenario.f->place(scenario.scene, &placement), XR_ERROR_HANDLE_INVALID);
+  EXPECT_TRUE(scenario.service->heard().scene_places.empty());
 }
 
 }  // namespace test_haptic_scene

@@ -11,9 +11,9 @@ namespace test_haptic_scene_rules {
 constexpr XrPosef kHere{{0, 0, 0, 1}, {0, 0, 0}};
 
 // The results of everything that needs more than a handle, in one order.
-std::vector<XrResult> AskAll(const SceneScenario& story, XrHapticNodeIdOMNIX1 node) {
+std::vector<XrResult> AskAll(const SceneScenario& scenario, XrHapticNodeIdOMNIX1 node) {
   const XrTime now = Now_ns() + kRuntimeOffset_ns;
-  const XrSpace local = story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
+  const XrSpace local = scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
   std::uint32_t count = 0;
   XrHapticMaterialOMNIX1 material{XR_TYPE_HAPTIC_MATERIAL_OMNIX1};
   const XrHapticNodePoseOMNIX1 pose{node, 0, kHere, {0, 0, 0}, {0, 0, 0}};
@@ -22,43 +22,43 @@ std::vector<XrResult> AskAll(const SceneScenario& story, XrHapticNodeIdOMNIX1 no
   const XrHapticContactsGetInfoOMNIX1 contacts{XR_TYPE_HAPTIC_CONTACTS_GET_INFO_OMNIX1, nullptr, local, now};
   const XrHapticNodeMeshGetInfoOMNIX1 shape{XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1, nullptr, node};
   XrHapticNodeMeshOMNIX1 mesh{XR_TYPE_HAPTIC_NODE_MESH_OMNIX1};
-  return {story.f->nodes(story.scene, 0, &count, nullptr),
-          story.f->get_material(story.scene, 0, &material),
-          story.f->set_material(story.scene, 0, &material),
-          story.f->move(story.scene, &update),
-          story.f->contacts(story.scene, &contacts, 0, &count, nullptr),
-          story.f->mesh(story.scene, &shape, &mesh)};
+  return {scenario.f->nodes(scenario.scene, 0, &count, nullptr),
+          scenario.f->get_material(scenario.scene, 0, &material),
+          scenario.f->set_material(scenario.scene, 0, &material),
+          scenario.f->move(scenario.scene, &update),
+          scenario.f->contacts(scenario.scene, &contacts, 0, &count, nullptr),
+          scenario.f->mesh(scenario.scene, &shape, &mesh)};
 }
 
 XrHapticScenePlacementOMNIX1 In(XrSpace space, float scale = 1) {
   return {XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1, nullptr, space, kHere, scale};
 }
 
-XrResult Move(const SceneScenario& story, const std::vector<XrHapticNodePoseOMNIX1>& poses,
+XrResult Move(const SceneScenario& scenario, const std::vector<XrHapticNodePoseOMNIX1>& poses,
               XrTime time = Now_ns() + kRuntimeOffset_ns, XrSpace base = XR_NULL_HANDLE) {
   const XrHapticNodesUpdateInfoOMNIX1 info{XR_TYPE_HAPTIC_NODES_UPDATE_INFO_OMNIX1,  nullptr,     base, time,
                                            static_cast<std::uint32_t>(poses.size()), poses.data()};
-  return story.f->move(story.scene, &info);
+  return scenario.f->move(scenario.scene, &info);
 }
 
-std::vector<XrHapticSceneNodeOMNIX1> NodesOf(const SceneScenario& story) {
+std::vector<XrHapticSceneNodeOMNIX1> NodesOf(const SceneScenario& scenario) {
   std::uint32_t count = 0;
-  EXPECT_EQ(story.f->nodes(story.scene, 0, &count, nullptr), XR_SUCCESS);
+  EXPECT_EQ(scenario.f->nodes(scenario.scene, 0, &count, nullptr), XR_SUCCESS);
   std::vector<XrHapticSceneNodeOMNIX1> nodes(count, {XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1});
-  EXPECT_EQ(story.f->nodes(story.scene, count, &count, nodes.data()), XR_SUCCESS);
+  EXPECT_EQ(scenario.f->nodes(scenario.scene, count, &count, nodes.data()), XR_SUCCESS);
   return nodes;
 }
 
 // [Results] LOADING for the first time: it can be placed and enabled, and has no contents yet.
 TEST(HapticSceneRules, LoadingSceneCanOnlyBePlacedAndEnabled) {
-  SceneScenario story;
-  ASSERT_EQ(story.Create(), XR_SUCCESS);
-  ASSERT_NE(story.Number(), 0u);
-  for (const XrResult result : AskAll(story, 1)) EXPECT_EQ(result, XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1);
-  const XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL));
-  EXPECT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
-  EXPECT_EQ(story.f->enable(story.scene, XR_FALSE), XR_SUCCESS);
-  const XrHapticSceneStateOMNIX1 state = story.State();
+  SceneScenario scenario;
+  ASSERT_EQ(scenario.Create(), XR_SUCCESS);
+  ASSERT_NE(scenario.Number(), 0u);
+  for (const XrResult result : AskAll(scenario, 1)) EXPECT_EQ(result, XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1);
+  const XrHapticScenePlacementOMNIX1 placement = In(scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL));
+  EXPECT_EQ(scenario.f->place(scenario.scene, &placement), XR_SUCCESS);
+  EXPECT_EQ(scenario.f->enable(scenario.scene, XR_FALSE), XR_SUCCESS);
+  const XrHapticSceneStateOMNIX1 state = scenario.State();
   EXPECT_EQ(state.status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
   EXPECT_EQ(state.nodeCount + state.materialCount + state.triangleCount, 0u);
   EXPECT_EQ(state.isFelt, XR_FALSE);
@@ -66,229 +66,229 @@ TEST(HapticSceneRules, LoadingSceneCanOnlyBePlacedAndEnabled) {
 
 // [Results] "anything but its state, its diagnostics and its end"; [Life of a scene] "is FAILED, and stays so".
 TEST(HapticSceneRules, FailedSceneStaysFailed) {
-  SceneScenario story;
-  ASSERT_EQ(story.Create(), XR_SUCCESS);
-  const std::uint32_t number = story.Number();
+  SceneScenario scenario;
+  ASSERT_EQ(scenario.Create(), XR_SUCCESS);
+  const std::uint32_t number = scenario.Number();
   ASSERT_NE(number, 0u);
-  story.SayState(number, protocol::HapticSceneStatus::kFailed, 0, "document: /meshes/3: is broken");
-  ASSERT_TRUE(story.Until([&] { return story.State().status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1; }));
-  for (const XrResult result : AskAll(story, 1)) EXPECT_EQ(result, XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
-  const XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), 2);
-  EXPECT_EQ(story.f->place(story.scene, &placement), XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
-  EXPECT_EQ(story.f->enable(story.scene, XR_TRUE), XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
+  scenario.SayState(number, protocol::HapticSceneStatus::kFailed, 0, "document: /meshes/3: is broken");
+  ASSERT_TRUE(scenario.Until([&] { return scenario.State().status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1; }));
+  for (const XrResult result : AskAll(scenario, 1)) EXPECT_EQ(result, XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
+  const XrHapticScenePlacementOMNIX1 placement = In(scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), 2);
+  EXPECT_EQ(scenario.f->place(scenario.scene, &placement), XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
+  EXPECT_EQ(scenario.f->enable(scenario.scene, XR_TRUE), XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1);
   // A late message, and a new service.
-  story.service->Say(SceneTableMessage(number, TwoNodes()));
-  story.SayState(number, protocol::HapticSceneStatus::kReady, 9, "");
+  scenario.service->Say(SceneTableMessage(number, TwoNodes()));
+  scenario.SayState(number, protocol::HapticSceneStatus::kReady, 9, "");
   const std::int64_t end = Now_ns() + 100'000'000;
-  story.Until([&] { return Now_ns() > end; });
-  EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1);
-  EXPECT_NE(story.Diagnostics().find("/meshes/3"), std::string::npos);
-  story.service = nullptr;
-  story.service = std::make_unique<FakeService>();
-  ASSERT_TRUE(story.Until([&] { return !story.service->heard().applications.empty(); }));
-  story.app->Poll();
-  EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1);
-  EXPECT_TRUE(story.service->heard().scene_loads.empty());
+  scenario.Until([&] { return Now_ns() > end; });
+  EXPECT_EQ(scenario.State().status, XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1);
+  EXPECT_NE(scenario.Diagnostics().find("/meshes/3"), std::string::npos);
+  scenario.service = nullptr;
+  scenario.service = std::make_unique<FakeService>();
+  ASSERT_TRUE(scenario.Until([&] { return !scenario.service->heard().applications.empty(); }));
+  scenario.app->Poll();
+  EXPECT_EQ(scenario.State().status, XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1);
+  EXPECT_TRUE(scenario.service->heard().scene_loads.empty());
 }
 
 // [XrEventDataHapticSceneStateChangedOMNIX1] one for each change of status; none of a scene that was destroyed.
 TEST(HapticSceneRules, OneEventPerStatusChangeUntilDestroyed) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
-  story.app->Poll();
-  const auto count = [&] { return story.app->CountEvents(XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1); };
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
+  scenario.app->Poll();
+  const auto count = [&] { return scenario.app->CountEvents(XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1); };
   EXPECT_EQ(count(), 1) << "READY";
-  const XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), 3);
-  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
-  story.app->Poll();
+  const XrHapticScenePlacementOMNIX1 placement = In(scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), 3);
+  ASSERT_EQ(scenario.f->place(scenario.scene, &placement), XR_SUCCESS);
+  scenario.app->Poll();
   EXPECT_EQ(count(), 2) << "another scale: LOADING";
-  story.SayState(story.Number(), protocol::HapticSceneStatus::kReady, 10, "");
-  ASSERT_TRUE(story.Until([&] { return count() == 3; }));
-  story.SayState(story.Number(), protocol::HapticSceneStatus::kReady, 0, "");
-  ASSERT_TRUE(story.Until([&] { return story.State().isFelt == XR_FALSE; })) << "ready, and not rendered now";
+  scenario.SayState(scenario.Number(), protocol::HapticSceneStatus::kReady, 10, "");
+  ASSERT_TRUE(scenario.Until([&] { return count() == 3; }));
+  scenario.SayState(scenario.Number(), protocol::HapticSceneStatus::kReady, 0, "");
+  ASSERT_TRUE(scenario.Until([&] { return scenario.State().isFelt == XR_FALSE; })) << "ready, and not rendered now";
   EXPECT_EQ(count(), 3) << "the status is the same";
   const XrHapticScenePlacementOMNIX1 again = In(placement.baseSpace, 4);
-  ASSERT_EQ(story.f->place(story.scene, &again), XR_SUCCESS);
-  ASSERT_EQ(story.f->destroy(story.scene), XR_SUCCESS);
-  story.app->Poll();
+  ASSERT_EQ(scenario.f->place(scenario.scene, &again), XR_SUCCESS);
+  ASSERT_EQ(scenario.f->destroy(scenario.scene), XR_SUCCESS);
+  scenario.app->Poll();
   EXPECT_EQ(count(), 3) << "its handle is destroyed";
 }
 
 // [Results] a 17th moved node, a 17th changed material; the first sixteen still work.
 TEST(HapticSceneRules, LimitsMovedNodesAndChangedMaterialsToSixteen) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady(ManyNodes(20, 20)));
-  const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(story);
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady(ManyNodes(20, 20)));
+  const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(scenario);
   ASSERT_EQ(nodes.size(), 20u);
   std::vector<XrHapticNodePoseOMNIX1> poses;
   for (const XrHapticSceneNodeOMNIX1& node : nodes) poses.push_back({node.node, 0, kHere, {0, 0, 0}, {0, 0, 0}});
   const std::vector<XrHapticNodePoseOMNIX1> seventeen(poses.begin(), poses.begin() + 17);
-  EXPECT_EQ(Move(story, seventeen), XR_ERROR_LIMIT_REACHED);
-  for (std::size_t i = 0; i < 16; ++i) ASSERT_EQ(Move(story, {poses[i]}), XR_SUCCESS);
-  EXPECT_EQ(Move(story, {poses[16]}), XR_ERROR_LIMIT_REACHED);
-  EXPECT_EQ(Move(story, {poses[15], poses[0]}), XR_SUCCESS);
+  EXPECT_EQ(Move(scenario, seventeen), XR_ERROR_LIMIT_REACHED);
+  for (std::size_t i = 0; i < 16; ++i) ASSERT_EQ(Move(scenario, {poses[i]}), XR_SUCCESS);
+  EXPECT_EQ(Move(scenario, {poses[16]}), XR_ERROR_LIMIT_REACHED);
+  EXPECT_EQ(Move(scenario, {poses[15], poses[0]}), XR_SUCCESS);
   XrHapticMaterialOMNIX1 material{XR_TYPE_HAPTIC_MATERIAL_OMNIX1};
-  ASSERT_EQ(story.f->get_material(story.scene, 0, &material), XR_SUCCESS);
-  for (std::uint32_t i = 0; i < 16; ++i) ASSERT_EQ(story.f->set_material(story.scene, i, &material), XR_SUCCESS);
-  EXPECT_EQ(story.f->set_material(story.scene, 16, &material), XR_ERROR_LIMIT_REACHED);
-  EXPECT_EQ(story.f->set_material(story.scene, 15, &material), XR_SUCCESS);
-  EXPECT_EQ(story.f->set_material(story.scene, 20, &material), XR_ERROR_INDEX_OUT_OF_RANGE);
-  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_nodes.size() == 17; }));
-  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_materials.size() == 17; }));
+  ASSERT_EQ(scenario.f->get_material(scenario.scene, 0, &material), XR_SUCCESS);
+  for (std::uint32_t i = 0; i < 16; ++i) ASSERT_EQ(scenario.f->set_material(scenario.scene, i, &material), XR_SUCCESS);
+  EXPECT_EQ(scenario.f->set_material(scenario.scene, 16, &material), XR_ERROR_LIMIT_REACHED);
+  EXPECT_EQ(scenario.f->set_material(scenario.scene, 15, &material), XR_SUCCESS);
+  EXPECT_EQ(scenario.f->set_material(scenario.scene, 20, &material), XR_ERROR_INDEX_OUT_OF_RANGE);
+  ASSERT_TRUE(scenario.Until([&] { return scenario.service->heard().scene_nodes.size() == 17; }));
+  ASSERT_TRUE(scenario.Until([&] { return scenario.service->heard().scene_materials.size() == 17; }));
 }
 
 // [Results] "An unsuccessful call changes nothing": no pose of an update with one bad pose is ever sent.
 TEST(HapticSceneRules, NodeUpdateIsAllOrNothing) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
-  const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(story);
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
+  const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(scenario);
   const XrHapticNodePoseOMNIX1 good{nodes[1].node, 0, kHere, {0, 0, 0}, {0, 0, 0}};
   XrHapticNodePoseOMNIX1 bad = good;
   bad.node = nodes[0].node;
-  EXPECT_EQ(Move(story, {good, bad}), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
+  EXPECT_EQ(Move(scenario, {good, bad}), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
   bad = good;
   bad.flags = 2;
-  EXPECT_EQ(Move(story, {good, bad}), XR_ERROR_VALIDATION_FAILURE);
-  EXPECT_EQ(Move(story, {}), XR_ERROR_VALIDATION_FAILURE) << "no pose at all";
-  for (const XrTime time : {XrTime{0}, XrTime{-3}}) EXPECT_EQ(Move(story, {good}, time), XR_ERROR_TIME_INVALID);
+  EXPECT_EQ(Move(scenario, {good, bad}), XR_ERROR_VALIDATION_FAILURE);
+  EXPECT_EQ(Move(scenario, {}), XR_ERROR_VALIDATION_FAILURE) << "no pose at all";
+  for (const XrTime time : {XrTime{0}, XrTime{-3}}) EXPECT_EQ(Move(scenario, {good}, time), XR_ERROR_TIME_INVALID);
   // In a space that cannot be located nothing moves; errors are still returned.
   const XrTime now = Now_ns() + kRuntimeOffset_ns;
-  const XrSpace nowhere = story.app->ActionSpace(story.app->pose, story.app->left);
+  const XrSpace nowhere = scenario.app->ActionSpace(scenario.app->pose, scenario.app->left);
   omni_test_set_device("left", 0, nullptr);
-  ASSERT_EQ(story.app->Sync(), XR_SUCCESS);
-  EXPECT_EQ(Move(story, {good}, now, nowhere), XR_SUCCESS);
+  ASSERT_EQ(scenario.app->Sync(), XR_SUCCESS);
+  EXPECT_EQ(Move(scenario, {good}, now, nowhere), XR_SUCCESS);
   bad.flags = 0;
   bad.node = nodes[0].node;
-  EXPECT_EQ(Move(story, {bad}, now, nowhere), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
-  story.service = nullptr;
-  ASSERT_TRUE(story.Until([&] { return story.State().status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1; }));
-  story.service = std::make_unique<FakeService>();
-  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_enables.empty(); }))
+  EXPECT_EQ(Move(scenario, {bad}, now, nowhere), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
+  scenario.service = nullptr;
+  ASSERT_TRUE(scenario.Until([&] { return scenario.State().status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1; }));
+  scenario.service = std::make_unique<FakeService>();
+  ASSERT_TRUE(scenario.Until([&] { return !scenario.service->heard().scene_enables.empty(); }))
       << "everything was sent again";
-  EXPECT_TRUE(story.service->heard().scene_nodes.empty());
+  EXPECT_TRUE(scenario.service->heard().scene_nodes.empty());
 }
 
 // [Life of a scene] "placement, node poses and materials are as they were last set", ids are those of before.
 TEST(HapticSceneRules, NewServiceReceivesPlacementAndPoses) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
-  const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(story);
-  XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL));
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
+  const std::vector<XrHapticSceneNodeOMNIX1> nodes = NodesOf(scenario);
+  XrHapticScenePlacementOMNIX1 placement = In(scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL));
   placement.pose.position = {0.1f, 0.2f, -0.3f};
-  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
-  ASSERT_EQ(Move(story, {{nodes[1].node, 0, {{0, 0, 0, 1}, {0.1f, 0.4f, 0}}, {0, 0, 0}, {0, 0, 0}}}), XR_SUCCESS);
-  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_nodes.empty(); }));
-  const Heard before = story.service->heard();
-  story.service = nullptr;
-  ASSERT_TRUE(story.Until([&] { return story.State().status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1; }));
-  EXPECT_EQ(story.State().isFelt, XR_FALSE);
-  story.service = std::make_unique<FakeService>();
-  ASSERT_TRUE(story.Until([&] { return !story.service->heard().scene_enables.empty(); }));
-  const Heard after = story.service->heard();
+  ASSERT_EQ(scenario.f->place(scenario.scene, &placement), XR_SUCCESS);
+  ASSERT_EQ(Move(scenario, {{nodes[1].node, 0, {{0, 0, 0, 1}, {0.1f, 0.4f, 0}}, {0, 0, 0}, {0, 0, 0}}}), XR_SUCCESS);
+  ASSERT_TRUE(scenario.Until([&] { return !scenario.service->heard().scene_nodes.empty(); }));
+  const Heard before = scenario.service->heard();
+  scenario.service = nullptr;
+  ASSERT_TRUE(scenario.Until([&] { return scenario.State().status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1; }));
+  EXPECT_EQ(scenario.State().isFelt, XR_FALSE);
+  scenario.service = std::make_unique<FakeService>();
+  ASSERT_TRUE(scenario.Until([&] { return !scenario.service->heard().scene_enables.empty(); }));
+  const Heard after = scenario.service->heard();
   ASSERT_EQ(after.scene_places.size(), 1u);
   EXPECT_EQ(after.scene_places[0].pose.position_m, before.scene_places.back().pose.position_m);
   ASSERT_EQ(after.scene_nodes.size(), 1u);
   EXPECT_EQ(after.scene_nodes[0].nodes[0].pose.position_m, before.scene_nodes.back().nodes[0].pose.position_m);
-  EXPECT_EQ(NodesOf(story)[1].node, nodes[1].node) << "LOADING again: they are those of the document";
+  EXPECT_EQ(NodesOf(scenario)[1].node, nodes[1].node) << "LOADING again: they are those of the document";
 }
 
 // [Frames] baseSpace is looked up at every xrWaitFrame; where it cannot be located the scene stays.
 TEST(HapticSceneRules, PlacementFollowsItsSpace) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
   const float head[7] = {0, 1.6f, -0.5f, 0, 0, 0, 1};
   const float moving[6] = {0.3f, 0, 0, 0, 0, 0};
   ASSERT_EQ(omni_test_set_head(head, moving), 0);
-  const XrHapticScenePlacementOMNIX1 in_view = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW));
-  ASSERT_EQ(story.f->place(story.scene, &in_view), XR_SUCCESS);
+  const XrHapticScenePlacementOMNIX1 in_view = In(scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW));
+  ASSERT_EQ(scenario.f->place(scenario.scene, &in_view), XR_SUCCESS);
   const auto frame = [&] {
     XrFrameState state{XR_TYPE_FRAME_STATE};
-    EXPECT_EQ(xrWaitFrame(story.app->session, nullptr, &state), XR_SUCCESS);
-    EXPECT_GE(xrBeginFrame(story.app->session, nullptr), XR_SUCCESS);
+    EXPECT_EQ(xrWaitFrame(scenario.app->session, nullptr, &state), XR_SUCCESS);
+    EXPECT_GE(xrBeginFrame(scenario.app->session, nullptr), XR_SUCCESS);
     const XrFrameEndInfo end{XR_TYPE_FRAME_END_INFO,           nullptr, state.predictedDisplayTime,
                              XR_ENVIRONMENT_BLEND_MODE_OPAQUE, 0,       nullptr};
-    EXPECT_EQ(xrEndFrame(story.app->session, &end), XR_SUCCESS);
+    EXPECT_EQ(xrEndFrame(scenario.app->session, &end), XR_SUCCESS);
     return state.predictedDisplayTime;
   };
   const XrTime shown = frame();
-  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_places.size() >= 2; }));
-  const protocol::HapticScenePlace place = story.service->heard().scene_places[1];
+  ASSERT_TRUE(scenario.Until([&] { return scenario.service->heard().scene_places.size() >= 2; }));
+  const protocol::HapticScenePlace place = scenario.service->heard().scene_places[1];
   EXPECT_NEAR(static_cast<double>(place.t_ns), static_cast<double>(shown - kRuntimeOffset_ns), 2e6);
   EXPECT_NEAR(place.pose.velocity_m_s[0], 0.3, 1e-4) << "x of LOCAL is x of the base";
   // A controller's space, which is lost.
-  const XrHapticScenePlacementOMNIX1 in_hand = In(story.app->ActionSpace(story.app->pose, story.app->left));
-  ASSERT_EQ(story.app->Sync(), XR_SUCCESS);
-  ASSERT_EQ(story.f->place(story.scene, &in_hand), XR_SUCCESS);
+  const XrHapticScenePlacementOMNIX1 in_hand = In(scenario.app->ActionSpace(scenario.app->pose, scenario.app->left));
+  ASSERT_EQ(scenario.app->Sync(), XR_SUCCESS);
+  ASSERT_EQ(scenario.f->place(scenario.scene, &in_hand), XR_SUCCESS);
   const float away[7] = {1, 1, 1, 0, 0, 0, 1};
   omni_test_set_tracking("left", 0, 0);
   ASSERT_EQ(omni_test_set_pose("/user/hand/left/input/grip/pose", away, nullptr), 0);
-  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_places.size() >= 3; }));
-  const std::size_t told = story.service->heard().scene_places.size();
+  ASSERT_TRUE(scenario.Until([&] { return scenario.service->heard().scene_places.size() >= 3; }));
+  const std::size_t reported = scenario.service->heard().scene_places.size();
   frame();
   frame();
   const std::int64_t end = Now_ns() + 50'000'000;
-  story.Until([&] { return Now_ns() > end; });
-  EXPECT_EQ(story.service->heard().scene_places.size(), told);
+  scenario.Until([&] { return Now_ns() > end; });
+  EXPECT_EQ(scenario.service->heard().scene_places.size(), reported);
   omni_test_set_tracking("left", 1, 1);
   frame();
-  EXPECT_TRUE(story.Until([&] { return story.service->heard().scene_places.size() > told; }));
+  EXPECT_TRUE(scenario.Until([&] { return scenario.service->heard().scene_places.size() > reported; }));
   ASSERT_EQ(xrDestroySpace(in_hand.baseSpace), XR_SUCCESS);
   frame();
-  EXPECT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_READY_OMNIX1) << "it stays where it was";
+  EXPECT_EQ(scenario.State().status, XR_HAPTIC_SCENE_STATUS_READY_OMNIX1) << "it stays where it was";
 }
 
 // [Valid usage] a scale is finite and clamped to its range; `next` is ignored.
 TEST(HapticSceneRules, ScaleIsClampedToRange) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
-  XrHapticScenePlacementOMNIX1 placement = In(story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), 1e9f);
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
+  XrHapticScenePlacementOMNIX1 placement = In(scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL), 1e9f);
   XrBaseInStructure unknown{static_cast<XrStructureType>(1999999999), nullptr};
   placement.next = &unknown;
-  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
+  ASSERT_EQ(scenario.f->place(scenario.scene, &placement), XR_SUCCESS);
   placement.scale = -1;
-  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
-  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_places.size() == 2; }));
-  EXPECT_EQ(story.service->heard().scene_places[0].scale, 1e4);
-  EXPECT_EQ(story.service->heard().scene_places[1].scale, 1e-4);
+  ASSERT_EQ(scenario.f->place(scenario.scene, &placement), XR_SUCCESS);
+  ASSERT_TRUE(scenario.Until([&] { return scenario.service->heard().scene_places.size() == 2; }));
+  EXPECT_EQ(scenario.service->heard().scene_places[0].scale, 1e4);
+  EXPECT_EQ(scenario.service->heard().scene_places[1].scale, 1e-4);
 }
 
 // [Results] node ids belong to one scene; only changing nodes have a mesh, once a shape has arrived.
 TEST(HapticSceneRules, RejectsNodesOfOtherScenesAndMeshesOfRigidNodes) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
-  const std::vector<XrHapticSceneNodeOMNIX1> old = NodesOf(story);
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
+  const std::vector<XrHapticSceneNodeOMNIX1> old = NodesOf(scenario);
   const auto mesh_of = [&](XrHapticNodeIdOMNIX1 node) {
     const XrHapticNodeMeshGetInfoOMNIX1 info{XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1, nullptr, node};
     XrHapticNodeMeshOMNIX1 mesh{XR_TYPE_HAPTIC_NODE_MESH_OMNIX1};
-    return story.f->mesh(story.scene, &info, &mesh);
+    return scenario.f->mesh(scenario.scene, &info, &mesh);
   };
   EXPECT_EQ(mesh_of(old[1].node), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1) << "it never changes";
   EXPECT_EQ(mesh_of(XR_NULL_HAPTIC_NODE_ID_OMNIX1), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
   EXPECT_EQ(mesh_of(old[0].node), XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1) << "this service publishes no shapes";
-  ASSERT_EQ(story.f->destroy(story.scene), XR_SUCCESS);
-  ASSERT_EQ(story.Create(), XR_SUCCESS);
-  const std::uint32_t number = story.Number(2);
-  story.service->Say(SceneTableMessage(number, TwoNodes()));
-  story.SayState(number, protocol::HapticSceneStatus::kReady, 11, "");
-  ASSERT_TRUE(story.Until([&] { return story.State().status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1; }));
-  EXPECT_EQ(Move(story, {{old[1].node, 0, kHere, {0, 0, 0}, {0, 0, 0}}}), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
-  EXPECT_EQ(Move(story, {{NodesOf(story)[1].node, 0, kHere, {0, 0, 0}, {0, 0, 0}}}), XR_SUCCESS);
+  ASSERT_EQ(scenario.f->destroy(scenario.scene), XR_SUCCESS);
+  ASSERT_EQ(scenario.Create(), XR_SUCCESS);
+  const std::uint32_t number = scenario.Number(2);
+  scenario.service->Say(SceneTableMessage(number, TwoNodes()));
+  scenario.SayState(number, protocol::HapticSceneStatus::kReady, 11, "");
+  ASSERT_TRUE(scenario.Until([&] { return scenario.State().status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1; }));
+  EXPECT_EQ(Move(scenario, {{old[1].node, 0, kHere, {0, 0, 0}, {0, 0, 0}}}), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1);
+  EXPECT_EQ(Move(scenario, {{NodesOf(scenario)[1].node, 0, kHere, {0, 0, 0}, {0, 0, 0}}}), XR_SUCCESS);
 }
 
 // [Life of a scene] rendered while it is enabled and its session focused: what is sent to the service, and what it
 // reports.
 TEST(HapticSceneRules, IsFeltFollowsTheService) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
-  EXPECT_EQ(story.State().isFelt, XR_TRUE);
-  ASSERT_EQ(story.f->enable(story.scene, XR_FALSE), XR_SUCCESS);
-  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_enables.size() >= 2; }));
-  EXPECT_EQ(story.service->heard().scene_enables.back().enabled, 0u);
-  story.SayState(story.Number(), protocol::HapticSceneStatus::kReady, 0, "");
-  EXPECT_TRUE(story.Until([&] { return story.State().isFelt == XR_FALSE; }));
-  ASSERT_EQ(story.f->enable(story.scene, XR_TRUE), XR_SUCCESS);
-  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_enables.size() >= 3; }));
-  EXPECT_EQ(story.service->heard().scene_enables.back().enabled, 1u);
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
+  EXPECT_EQ(scenario.State().isFelt, XR_TRUE);
+  ASSERT_EQ(scenario.f->enable(scenario.scene, XR_FALSE), XR_SUCCESS);
+  ASSERT_TRUE(scenario.Until([&] { return scenario.service->heard().scene_enables.size() >= 2; }));
+  EXPECT_EQ(scenario.service->heard().scene_enables.back().enabled, 0u);
+  scenario.SayState(scenario.Number(), protocol::HapticSceneStatus::kReady, 0, "");
+  EXPECT_TRUE(scenario.Until([&] { return scenario.State().isFelt == XR_FALSE; }));
+  ASSERT_EQ(scenario.f->enable(scenario.scene, XR_TRUE), XR_SUCCESS);
+  ASSERT_TRUE(scenario.Until([&] { return scenario.service->heard().scene_enables.size() >= 3; }));
+  EXPECT_EQ(scenario.service->heard().scene_enables.back().enabled, 1u);
 }
 
 }  // namespace test_haptic_scene_rules

@@ -14,38 +14,38 @@ namespace test_haptic_scene_shape {
 
 // In a space at rest it is sent once; in a moving one in every frame, with its velocity.
 TEST(HapticScene, PlacementIsResentOnlyInMovingSpace) {
-  SceneScenario story;
-  ASSERT_TRUE(story.GetReady());
+  SceneScenario scenario;
+  ASSERT_TRUE(scenario.GetReady());
   const auto frame = [&] {
-    story.service->Fill();
+    scenario.service->Fill();
     XrFrameState state{XR_TYPE_FRAME_STATE};
-    EXPECT_EQ(xrWaitFrame(story.app->session, nullptr, &state), XR_SUCCESS);
-    xrBeginFrame(story.app->session, nullptr);
+    EXPECT_EQ(xrWaitFrame(scenario.app->session, nullptr, &state), XR_SUCCESS);
+    xrBeginFrame(scenario.app->session, nullptr);
     const XrFrameEndInfo end{XR_TYPE_FRAME_END_INFO,           nullptr, state.predictedDisplayTime,
                              XR_ENVIRONMENT_BLEND_MODE_OPAQUE, 0,       nullptr};
-    xrEndFrame(story.app->session, &end);
+    xrEndFrame(scenario.app->session, &end);
   };
   XrHapticScenePlacementOMNIX1 placement{XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1,
                                          nullptr,
-                                         story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL),
+                                         scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL),
                                          {{0, 0, 0, 1}, {0.1f, 0.2f, -0.3f}},
                                          1};
-  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
-  ASSERT_TRUE(story.Until([&] { return story.service->heard().scene_places.size() == 1; }));
+  ASSERT_EQ(scenario.f->place(scenario.scene, &placement), XR_SUCCESS);
+  ASSERT_TRUE(scenario.Until([&] { return scenario.service->heard().scene_places.size() == 1; }));
   for (int i = 0; i < 20; ++i) frame();
   Pause_ms(50);
-  EXPECT_EQ(story.service->heard().scene_places.size(), 1u) << "nothing new to send";
+  EXPECT_EQ(scenario.service->heard().scene_places.size(), 1u) << "nothing new to send";
 
   // A head that rises at 0.1 m/s carries the scene with it.
   const float head[7] = {0, 1.6f, 0, 0, 0, 0, 1}, rising[6] = {0, 0.1f, 0, 0, 0, 0};
   ASSERT_EQ(omni_test_set_head(head, rising), 0);
-  placement.baseSpace = story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW);
-  ASSERT_EQ(story.f->place(story.scene, &placement), XR_SUCCESS);
-  ASSERT_TRUE(story.Until([&] {
+  placement.baseSpace = scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW);
+  ASSERT_EQ(scenario.f->place(scenario.scene, &placement), XR_SUCCESS);
+  ASSERT_TRUE(scenario.Until([&] {
     frame();
-    return story.service->heard().scene_places.size() >= 6;
+    return scenario.service->heard().scene_places.size() >= 6;
   }));
-  const auto places = story.service->heard().scene_places;
+  const auto places = scenario.service->heard().scene_places;
   for (std::size_t i = 2; i < places.size(); ++i) {
     const protocol::HapticScenePlace &before = places[i - 1], &place = places[i];
     EXPECT_NEAR(place.pose.velocity_m_s[2], 0.1, 1e-4);
@@ -78,8 +78,8 @@ std::shared_ptr<ipc::SurfacePublisher> OneTriangle(std::uint64_t scene_generatio
 class SceneShape : public testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_TRUE(story.GetReady());
-    node = std::uint64_t{story.service->heard().scene_loads.back().number} << 32 | 1;
+    ASSERT_TRUE(scenario.GetReady());
+    node = std::uint64_t{scenario.service->heard().scene_loads.back().number} << 32 | 1;
   }
   XrResult Read() {
     const XrHapticNodeMeshGetInfoOMNIX1 info{XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1, nullptr, node};
@@ -88,7 +88,7 @@ class SceneShape : public testing::Test {
     mesh.vertices = vertices.data();
     mesh.indexCapacityInput = 3;
     mesh.indices = indices.data();
-    return story.f->mesh(story.scene, &info, &mesh);
+    return scenario.f->mesh(scenario.scene, &info, &mesh);
   }
   void ExpectTheDocuments() const {
     EXPECT_EQ(mesh.vertexCountOutput, 3u);
@@ -99,7 +99,7 @@ class SceneShape : public testing::Test {
     EXPECT_NEAR(mesh.maxDisplacement, 0.002f, 1e-7f);
   }
 
-  SceneScenario story;
+  SceneScenario scenario;
   XrHapticNodeIdOMNIX1 node = XR_NULL_HAPTIC_NODE_ID_OMNIX1;
   XrHapticNodeMeshOMNIX1 mesh{XR_TYPE_HAPTIC_NODE_MESH_OMNIX1};
   std::vector<XrVector3f> vertices = std::vector<XrVector3f>(3);
@@ -108,13 +108,13 @@ class SceneShape : public testing::Test {
 
 TEST_F(SceneShape, MeshComesOnlyFromTheActiveScene) {
   EXPECT_EQ(Read(), XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1);
-  story.service->SetSurfaces(OneTriangle(8, 1));  // of the scene before
+  scenario.service->SetSurfaces(OneTriangle(8, 1));  // of the scene before
   for (int i = 0; i < 20; ++i) {
     Pause_ms(10);
     ASSERT_EQ(Read(), XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1);
   }
-  story.service->SetSurfaces(OneTriangle(9, 1));
-  EXPECT_TRUE(story.Until([&] { return Read() == XR_SUCCESS; }));
+  scenario.service->SetSurfaces(OneTriangle(9, 1));
+  EXPECT_TRUE(scenario.Until([&] { return Read() == XR_SUCCESS; }));
   ExpectTheDocuments();
   node += 1;
   EXPECT_EQ(Read(), XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1) << "its shape does not change";
@@ -122,8 +122,8 @@ TEST_F(SceneShape, MeshComesOnlyFromTheActiveScene) {
 
 // [Results] "a capacity is neither 0 nor enough; nothing was written but the counts"
 TEST_F(SceneShape, InsufficientCapacityWritesOnlyCounts) {
-  story.service->SetSurfaces(OneTriangle(9, 1));
-  ASSERT_TRUE(story.Until([&] { return Read() == XR_SUCCESS; }));
+  scenario.service->SetSurfaces(OneTriangle(9, 1));
+  ASSERT_TRUE(scenario.Until([&] { return Read() == XR_SUCCESS; }));
   const XrHapticNodeMeshGetInfoOMNIX1 info{XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1, nullptr, node};
   for (const bool vertices_fit : {false, true}) {
     vertices.assign(3, {7, 7, 7});
@@ -133,35 +133,35 @@ TEST_F(SceneShape, InsufficientCapacityWritesOnlyCounts) {
     mesh.vertices = vertices.data();
     mesh.indexCapacityInput = vertices_fit ? 2 : 0;
     mesh.indices = indices.data();
-    EXPECT_EQ(story.f->mesh(story.scene, &info, &mesh), XR_ERROR_SIZE_INSUFFICIENT);
+    EXPECT_EQ(scenario.f->mesh(scenario.scene, &info, &mesh), XR_ERROR_SIZE_INSUFFICIENT);
     EXPECT_EQ(mesh.vertexCountOutput, 3u);
     EXPECT_EQ(mesh.indexCountOutput, 3u);
     EXPECT_EQ(mesh.maxDisplacement, 7);
     EXPECT_EQ(vertices[0].x, 7);
   }
   mesh.indexCapacityInput = 0;
-  EXPECT_EQ(story.f->mesh(story.scene, &info, &mesh), XR_SUCCESS) << "the vertices alone";
+  EXPECT_EQ(scenario.f->mesh(scenario.scene, &info, &mesh), XR_SUCCESS) << "the vertices alone";
   EXPECT_EQ(vertices[0].x, 0);
 }
 
 // Until a scene of another scale is ready, the previous one is rendered and read.
 TEST_F(SceneShape, VerticesAreInDocumentMetresAtEveryScale) {
-  story.service->SetSurfaces(OneTriangle(9, 1));
-  ASSERT_TRUE(story.Until([&] { return Read() == XR_SUCCESS; }));
+  scenario.service->SetSurfaces(OneTriangle(9, 1));
+  ASSERT_TRUE(scenario.Until([&] { return Read() == XR_SUCCESS; }));
   const XrHapticScenePlacementOMNIX1 larger{XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1,
                                             nullptr,
-                                            story.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL),
+                                            scenario.app->ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL),
                                             {{0, 0, 0, 1}, {0, 0, 0}},
                                             4};
-  ASSERT_EQ(story.f->place(story.scene, &larger), XR_SUCCESS);
-  ASSERT_EQ(story.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
+  ASSERT_EQ(scenario.f->place(scenario.scene, &larger), XR_SUCCESS);
+  ASSERT_EQ(scenario.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
   ASSERT_EQ(Read(), XR_SUCCESS);
   ExpectTheDocuments();
-  const std::uint32_t number = story.service->heard().scene_loads.back().number;
-  story.SayState(number, protocol::HapticSceneStatus::kReady, 10, "", 4);
-  story.service->SetSurfaces(OneTriangle(10, 4));
-  ASSERT_TRUE(story.Until([&] { return story.State().status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1; }));
-  ASSERT_TRUE(story.Until([&] { return Read() == XR_SUCCESS; }));
+  const std::uint32_t number = scenario.service->heard().scene_loads.back().number;
+  scenario.SayState(number, protocol::HapticSceneStatus::kReady, 10, "", 4);
+  scenario.service->SetSurfaces(OneTriangle(10, 4));
+  ASSERT_TRUE(scenario.Until([&] { return scenario.State().status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1; }));
+  ASSERT_TRUE(scenario.Until([&] { return Read() == XR_SUCCESS; }));
   ExpectTheDocuments();
 }
 

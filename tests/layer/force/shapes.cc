@@ -120,20 +120,20 @@ TEST(ForceStatus, FlickeringFlagClearsAfterHalfASecond) {
   ForceStatusWatch watch({.active = true, .flags = 0});
   const ForceStatus calm{.active = true, .flags = 0};
   const ForceStatus saturated{.active = true, .flags = XR_FORCE_FEEDBACK_STATE_SATURATED_BIT_OMNIX1};
-  ForceStatus told;
-  EXPECT_FALSE(watch.Step(calm, kSecond_ns, told));
-  EXPECT_TRUE(watch.Step(saturated, kSecond_ns + 1, told));
-  EXPECT_EQ(told, saturated);
+  ForceStatus reported;
+  EXPECT_FALSE(watch.Step(calm, kSecond_ns, reported));
+  EXPECT_TRUE(watch.Step(saturated, kSecond_ns + 1, reported));
+  EXPECT_EQ(reported, saturated);
   int events = 0;
   for (int i = 0; i < 1000; ++i)  // flickers for two seconds
-    events += watch.Step(i % 2 == 0 ? calm : saturated, kSecond_ns + i * 2'000'000LL, told) ? 1 : 0;
+    events += watch.Step(i % 2 == 0 ? calm : saturated, kSecond_ns + i * 2'000'000LL, reported) ? 1 : 0;
   EXPECT_EQ(events, 0);
-  EXPECT_FALSE(watch.Step(calm, 3 * kSecond_ns + 400'000'000, told));
-  EXPECT_TRUE(watch.Step(calm, 3 * kSecond_ns + 600'000'000, told));
-  EXPECT_EQ(told, calm);
+  EXPECT_FALSE(watch.Step(calm, 3 * kSecond_ns + 400'000'000, reported));
+  EXPECT_TRUE(watch.Step(calm, 3 * kSecond_ns + 600'000'000, reported));
+  EXPECT_EQ(reported, calm);
   const ForceStatus lost{.active = false, .flags = XR_FORCE_FEEDBACK_STATE_FOCUS_LOST_BIT_OMNIX1};
-  EXPECT_TRUE(watch.Step(lost, 4 * kSecond_ns, told));
-  EXPECT_TRUE(watch.Step(calm, 4 * kSecond_ns + 1, told)) << "focus is reported at once, both ways";
+  EXPECT_TRUE(watch.Step(lost, 4 * kSecond_ns, reported));
+  EXPECT_TRUE(watch.Step(calm, 4 * kSecond_ns + 1, reported)) << "focus is reported at once, both ways";
 }
 
 }  // namespace test_force_shapes

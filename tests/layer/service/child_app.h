@@ -29,9 +29,9 @@ template <class Application>
 class ForkedApp : public Forked {
  public:
   ForkedApp(const std::function<std::int64_t(Application&)>& body, const std::function<void(Application&)>& afterwards)
-      : Forked([&](const Tell& tell) {
+      : Forked([&](const Report& report) {
           Application app;
-          tell(body(app));
+          report(body(app));
           afterwards(app);
         }) {}
 };

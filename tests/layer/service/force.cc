@@ -109,8 +109,8 @@ void LiveOn(ForceApp& app) {
 void ExpectZeroSoonAfter(ServiceProcess& service, ForkedForceApp& app, const char* what) {
   SleepMs(500);
   app.Kill();
-  ASSERT_NE(app.told(), 0);
-  const double ms = StopAndTellTimeToZero_ms(service, what, app.told());
+  ASSERT_NE(app.reported(), 0);
+  const double ms = StopAndTellTimeToZero_ms(service, what, app.reported());
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }
@@ -175,7 +175,7 @@ TEST(ForceStack, KilledApplicationEndsForceAndConstraint) {
   SleepMs(200);
   const std::int64_t killed_ns = Now_ns();
   app.Kill();
-  ASSERT_NE(app.told(), 0);
+  ASSERT_NE(app.reported(), 0);
   SleepMs(500);
   const double ms = StopAndTellTimeToZero_ms(service, "kill -9 of an OpenXR application", killed_ns);
   EXPECT_GE(ms, 0);

@@ -270,14 +270,14 @@ TEST(HapticSceneStack, KilledApplicationReleasesItsScene) {
   EXPECT_EQ(DocumentsHeldBy(service.pid()), 1);
   const std::int64_t killed_ns = Now_ns();
   first.Kill();
-  ASSERT_NE(first.told(), 0);
+  ASSERT_NE(first.reported(), 0);
   SleepMs(500);
   EXPECT_TRUE(Eventually([&] { return DocumentsHeldBy(service.pid()) == 0; })) << "omnid has forgotten it";
   const std::int64_t next_ns = Now_ns();
   ForkedApp<SceneApp> second([](SceneApp& a) -> std::int64_t { return a.LoadAndTouchBlock() ? Now_ns() : 0; },
                              [](SceneApp&) {});
   second.Kill();
-  EXPECT_NE(second.told(), 0) << "the next application touches a scene of its own";
+  EXPECT_NE(second.reported(), 0) << "the next application touches a scene of its own";
   const double ms = StopAndTellTimeToZero_ms(service, "kill -9 of a scene's application", killed_ns,
                                              1e-6 * static_cast<double>(next_ns - killed_ns));
   EXPECT_GE(ms, 0);
@@ -296,8 +296,8 @@ TEST(HapticSceneStack, LosingFocusEndsSceneForce) {
       [](SceneApp& a) { a.LiveOn(600); });
   SleepMs(500);
   child.Kill();
-  ASSERT_NE(child.told(), 0);
-  const double ms = StopAndTellTimeToZero_ms(service, "a scene's application lost focus", child.told());
+  ASSERT_NE(child.reported(), 0);
+  const double ms = StopAndTellTimeToZero_ms(service, "a scene's application lost focus", child.reported());
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }
@@ -311,7 +311,7 @@ TEST(HapticSceneStack, ForceFadesWhenApplicationIsStopped) {
   child.Stop();
   SleepMs(900);
   child.Kill();
-  ASSERT_NE(child.told(), 0);
+  ASSERT_NE(child.reported(), 0);
   const double ms = StopAndTellTimeToZero_ms(service, "a stop of a scene's application", stopped_ns, 850);
   EXPECT_GE(ms, 200) << "it must bear a hitch of the application";
   EXPECT_LE(ms, 450);

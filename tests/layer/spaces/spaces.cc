@@ -45,9 +45,9 @@ TEST_F(Spaces, FutureIsPredictedThenHeld) {
   EXPECT_LT(glm::length(at_15ms.p() - truth.X.p), 0.5 * 0.02 * 12.6 * 12.6 * 2.3 * 0.017 * 0.017);
   EXPECT_GT(glm::length(at_15ms.p() - Locate(pen, local, now - 1'000'000).p()), 1e-3) << "not merely held";
   const Seen far = Locate(pen, local, now + 100'000'000);
-  const Seen farther = Locate(pen, local, now + 3'600'000'000'000);
+  const Seen further = Locate(pen, local, now + 3'600'000'000'000);
   ASSERT_EQ(far.location.locationFlags, kSeen);
-  EXPECT_LT(glm::length(far.p() - farther.p()), 1e-6);
+  EXPECT_LT(glm::length(far.p() - further.p()), 1e-6);
   EXPECT_LT(glm::length(far.p() - at_15ms.p()), 0.3 * 0.04 * 1.2) << "at most 40 ms of motion";
 }
 

@@ -15,10 +15,10 @@ namespace omni::test {
 class Forked {
  public:
   // Signals the test to continue, with a number from the application; to be called once.
-  using Tell = std::function<void(std::int64_t number)>;
+  using Report = std::function<void(std::int64_t number)>;
 
   // Runs `body` until it returns or is killed. Waits until it has signalled or ended.
-  explicit Forked(const std::function<void(const Tell& tell)>& body) {
+  explicit Forked(const std::function<void(const Report& report)>& body) {
     int ends[2];
     if (pipe(ends) != 0) return;
     pid_ = fork();
@@ -41,7 +41,7 @@ class Forked {
   Forked(const Forked&) = delete;
   Forked& operator=(const Forked&) = delete;
 
-  std::int64_t told() const { return told_; }  // 0: nothing
+  std::int64_t reported() const { return told_; }  // 0: nothing
   void Stop() const {
     if (pid_ > 0) kill(pid_, SIGSTOP);
   }

@@ -71,11 +71,11 @@ class Tracking {
 };
 
 // Rest position of the hand's spring.
-double Wanted_m(const WallScenario& story, double t_s) {
+double Wanted_m(const WallScenario& scenario, double t_s) {
   const auto smooth = [](double x) { return x <= 0 ? 0.0 : (x >= 1 ? 1.0 : x * x * (3 - 2 * x)); };
   double share = smooth((t_s - kAway_s) / kMove_s);
-  if (story.release) share -= smooth((t_s - kAway_s - kMove_s - story.hold_s) / kMove_s);
-  return kWaits_m - (kWaits_m + story.depth_m) * share;
+  if (scenario.release) share -= smooth((t_s - kAway_s - kMove_s - scenario.hold_s) / kMove_s);
+  return kWaits_m - (kWaits_m + scenario.depth_m) * share;
 }
 
 // The hand under the coil's force.
@@ -104,7 +104,7 @@ class Hand {
 
 }  // namespace
 
-WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario& story, WallRule rule,
+WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario& scenario, WallRule rule,
                   double stiffness_N_m, std::uint64_t seed) {
   const haptics::Scene scene =
       stiffness_N_m > 0 ? Wall(0, {.stiffness_N_m = stiffness_N_m, .static_friction = 0, .dynamic_friction = 0})
@@ -125,7 +125,7 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario
   std::deque<Sent> sent;
   double commanded_N = 0;
   WallRun run;
-  const double end_s = kAway_s + kMove_s + story.hold_s + (story.release ? kMove_s + kRest_s : 0);
+  const double end_s = kAway_s + kMove_s + scenario.hold_s + (scenario.release ? kMove_s + kRest_s : 0);
   const auto ticks = static_cast<int>(std::lround(end_s / kTick_s));
   for (int tick = 0; tick < ticks; ++tick) {
     run.measured_m.push_back(tracking.Measure(plant.z_m(), output.force_base_N != base::Vec3{}, random));
@@ -141,7 +141,7 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario
         commanded_N = sent.front().force_N;
         sent.pop_front();
       }
-      plant.SubStep(Wanted_m(story, t_s), commanded_N);
+      plant.SubStep(Wanted_m(scenario, t_s), commanded_N);
     }
     run.force_N.push_back(plant.force_N());
   }

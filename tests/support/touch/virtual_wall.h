@@ -46,7 +46,7 @@ struct WallScenario {
   bool release = false;
 };
 
-WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario& story, WallRule rule,
+WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario& scenario, WallRule rule,
                   double stiffness_N_m, std::uint64_t seed);
 
 // A slab of that material whose upper face is z = `top_m`.

@@ -59,9 +59,9 @@ class SoftBuilder {
       : vertices_(vertices), triangles_(triangles), options_(options), report_(report) {}
 
   base::Result<SoftBody> Run() {
-    if (!Tell(0)) return base::Error{"cancelled"};
+    if (!Progress(0)) return base::Error{"cancelled"};
     auto lattice = BuildTetLattice(vertices_, triangles_, options_.lattice,
-                                   [this](double done) { return Tell(kLatticeShare * done); });
+                                   [this](double done) { return Progress(kLatticeShare * done); });
     if (!lattice.ok()) return base::Error{lattice.error()};
     mesh_ = MakeQuadratic(*lattice);
     report_.tets = static_cast<std::uint32_t>(lattice->tets.size());
@@ -69,13 +69,13 @@ class SoftBuilder {
     cell_m_ = lattice->cell_m;
     radius_m_ = kPatch_cells * cell_m_;
     report_.lattice_ms = MillisecondsSince(start_);
-    if (!Tell(kLatticeShare)) return base::Error{"cancelled"};
+    if (!Progress(kLatticeShare)) return base::Error{"cancelled"};
     auto fem = ElasticFem::Build(
         mesh_, [this](const Vec3& p) { return StiffnessAt(p); }, ClampedNodes(),
-        [this](double done) { return Tell(kLatticeShare + (kFactorShare - kLatticeShare) * done); });
+        [this](double done) { return Progress(kLatticeShare + (kFactorShare - kLatticeShare) * done); });
     if (!fem.ok()) return base::Error{fem.error()};
     report_.factor_ms = MillisecondsSince(start_);
-    if (!Tell(kFactorShare)) return base::Error{"cancelled"};
+    if (!Progress(kFactorShare)) return base::Error{"cancelled"};
     FindSurfaceNodes();
     MakeNodes();
     if (!SolveColumns(*fem)) return base::Error{"cancelled"};
@@ -88,7 +88,7 @@ class SoftBuilder {
   }
 
  private:
-  bool Tell(double done) const { return !options_.progress || options_.progress(done); }
+  bool Progress(double done) const { return !options_.progress || options_.progress(done); }
 
   Stiffness6 StiffnessAt(const Vec3& p) const {
     return MakeStiffness(options_.moduli, options_.fibre_field ? options_.fibre_field(p) : options_.fibre);
@@ -141,7 +141,8 @@ class SoftBuilder {
     parts_.columns.resize(n * n);
     parts_.compliance.resize(n * (n + 1) / 2);
     for (std::size_t first = 0; first < n; first += kSolveWidth) {
-      if (!Tell(kFactorShare + (1 - kFactorShare) * static_cast<double>(first) / static_cast<double>(n))) return false;
+      if (!Progress(kFactorShare + (1 - kFactorShare) * static_cast<double>(first) / static_cast<double>(n)))
+        return false;
       LoadBlock block(3 * mesh_.nodes_base_m.size());
       const std::size_t width = std::min(kSolveWidth, n - first);
       for (std::size_t c = 0; c < width; ++c) {

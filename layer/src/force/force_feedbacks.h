@@ -1,0 +1,48 @@
+// The functions of XR_OMNIX1_force_feedback. There is one handle at a time.
+#pragma once
+
+#include <mutex>
+
+#include "layer/include/openxr/omni_force_feedback.h"
+#include "layer/src/force/force_feedback.h"
+
+namespace omni::layer {
+
+class Instance;
+
+class ForceFeedbacks {
+ public:
+  explicit ForceFeedbacks(Instance& instance) : instance_(instance) {}
+
+  // force_feedback.cc
+  XrResult Create(XrSession session, const XrForceFeedbackCreateInfoOMNIX1* info, XrForceFeedbackOMNIX1* force);
+  XrResult Destroy(XrForceFeedbackOMNIX1 force);
+  XrResult Apply(XrForceFeedbackOMNIX1 force, const XrForceApplyInfoOMNIX1* info);
+  XrResult SetConstraints(XrForceFeedbackOMNIX1 force, const XrForceFeedbackConstraintsSetInfoOMNIX1* info);
+  XrResult Stop(XrForceFeedbackOMNIX1 force);
+
+  // force_queries.cc
+  XrResult Properties(XrForceFeedbackOMNIX1 force, const XrForceFeedbackPropertiesGetInfoOMNIX1* info,
+                      XrForceFeedbackPropertiesOMNIX1* properties);
+  XrResult State(XrForceFeedbackOMNIX1 force, const XrForceFeedbackStateGetInfoOMNIX1* info,
+                 XrForceFeedbackStateOMNIX1* state);
+
+  // Constraints follow their spaces, and are sent again to a service that has restarted.
+  void FollowConstraints();
+  // Queues an event for each change of state.
+  void Watch();
+  void OnFocusLost(const Session& session);
+  void ForgetSpace(XrSpace space);
+  void EndOf(XrSession session);
+  // A state event whose handle is no more.
+  bool IsOfDestroyed(const XrEventDataBuffer& event) const;
+
+ private:
+  void SendConstraints(ForceFeedback& force, const protocol::ForceConstraints& message);
+  ForceStatus StatusNow(const Session& session);
+
+  Instance& instance_;
+  std::mutex mutex_;  // of creation and destruction
+};
+
+}  // namespace omni::layer

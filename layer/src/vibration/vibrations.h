@@ -1,0 +1,43 @@
+// The vibration functions: which device an action vibrates, the pen, the runtime's or both.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "layer/src/actions/session_actions.h"
+#include "layer/src/entry/omni_openxr_compat.h"
+#include "layer/src/vibration/haptics.h"
+
+namespace omni::layer {
+
+class Instance;
+
+class Vibrations {
+ public:
+  explicit Vibrations(Instance& instance) : instance_(instance) {}
+
+  XrResult ApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
+  XrResult StopHapticFeedback(XrSession session, const XrHapticActionInfo* info);
+  XrResult GetDeviceSampleRateFB(XrSession session, const XrHapticActionInfo* info, XrDevicePcmSampleRateStateFB* rate);
+
+  void Play(const Pulse& pulse);
+  void Stop();
+
+ private:
+  struct Channels {
+    bool to_pen = false;
+    bool to_runtime = true;
+  };
+  Channels Route(XrSession session, const XrHapticActionInfo* info) const;
+  XrResult ApplyTone(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
+  XrResult ApplyEnvelope(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
+  XrResult ApplyPcm(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
+  XrResult ShapeBelow(bool only_ours, XrSession session, const XrHapticActionInfo* info,
+                      const XrHapticBaseHeader* haptic, const std::optional<ShapedVibration>& shaped) const;
+  std::uint32_t PlayPcm(XrAction action, ShapedVibration& pcm);
+
+  Instance& instance_;
+  PcmBacklog backlog_;
+};
+
+}  // namespace omni::layer
