@@ -21,7 +21,7 @@ constexpr std::size_t kMaxProblems = 20;  // the oldest goes when full
 std::uint32_t TrianglesOf(const haptics::Scene& scene) { return scene.empty() ? 0 : scene.header().triangle_count; }
 
 std::uint32_t SculptedOf(const haptics::Scene& scene) {
-  return scene.live() == nullptr ? 0 : scene.live()->workshop_count();
+  return scene.live() == nullptr ? 0 : scene.live()->sculpt_session_count();
 }
 
 protocol::HandSetting HandOf(const std::string& name) {
@@ -226,7 +226,7 @@ void Service::OnPeriod(std::int64_t now_ns) {
   WriteCommands(now_ns);
   SendForceProperties();
   UpdateSurfaces();
-  placement_writer_.TakeWritten(placements_);
+  placement_writer_.HandleWritten(placements_);
   SendBasePoses();
   ReleaseScenes();
   app_scenes_.Notify(owners_.owner(), generation_);

@@ -110,8 +110,8 @@ SurfacePublish SurfacePublisher::Publish(std::size_t index, const SurfaceUpdate&
 
 void SurfacePublisher::Pulse(std::int64_t t_ns) noexcept {
   auto* header = reinterpret_cast<SurfaceHeader*>(at(0));
-  protocol::StoreCell(header->pulse, protocol::SequenceOf(looks_), {.t_ns = t_ns, .looks = looks_ + 1});
-  ++looks_;
+  protocol::StoreCell(header->pulse, protocol::SequenceOf(poll_count_), {.t_ns = t_ns, .poll_count = poll_count_ + 1});
+  ++poll_count_;
 }
 
 }  // namespace omni::ipc

@@ -66,7 +66,7 @@ class SurfacePublisher {
   protocol::SurfaceLayout layout_;
   std::vector<protocol::SurfaceFrame> newest_;  // of each object
   std::vector<std::uint64_t> published_;        // frames of each object
-  std::uint64_t looks_ = 0;
+  std::uint64_t poll_count_ = 0;
 };
 
 }  // namespace omni::ipc

@@ -14,7 +14,7 @@ LiveReport LoadLive(haptics::Scene& scene, CacheStore* cache, std::uint32_t soft
   LiveReport report;
   haptics::LivePlan plan = haptics::MakeLive(scene);
   report.lines = std::move(plan.lines);
-  if (scene.live() != nullptr) report.workshops = scene.live()->workshop_count();
+  if (scene.live() != nullptr) report.sculpt_sessions = scene.live()->sculpt_session_count();
   for (const std::uint32_t index : plan.soft) {
     const haptics::Object& object = scene.objects()[index];
     const haptics::Material& material = scene.materials()[haptics::MainMaterial(scene, object)];

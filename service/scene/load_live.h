@@ -12,7 +12,7 @@
 namespace omni::scene {
 
 struct LiveReport {
-  std::uint32_t soft_bodies = 0, workshops = 0;
+  std::uint32_t soft_bodies = 0, sculpt_sessions = 0;
   std::vector<std::string> lines;  // why a tagged object has none, one sentence each
   double load_ms = 0;
 };

@@ -82,7 +82,7 @@ TEST(DaemonBasePoseFile, RepliesOnceTheFileIsWritten) {
     writer.Answer(1, number, placements.Execute(command, kDate_s));
   };
   const auto take = [&](std::size_t count) {
-    while (answers.size() < count) writer.TakeWritten(placements);
+    while (answers.size() < count) writer.HandleWritten(placements);
   };
   execute(1, Store(kSpaceLocal));
   EXPECT_TRUE(answers.empty());

@@ -369,8 +369,8 @@ TEST_F(SurfacesOverTheSocket, ClientRequestsReceivesAndCancelsSurfaces) {
   EXPECT_EQ(copy.triangles.size(), 4U);
   protocol::SurfacePulse early, later;
   ASSERT_TRUE(first->Pulse(early));
-  ASSERT_TRUE(
-      Until({monitor.get(), clay.get()}, [&] { return first->Pulse(later) && later.looks >= early.looks + 10; }));
+  ASSERT_TRUE(Until({monitor.get(), clay.get()},
+                    [&] { return first->Pulse(later) && later.poll_count >= early.poll_count + 10; }));
 
   // A repeated request gets the same memory.
   monitor->RequestSurfaces(true);
@@ -393,13 +393,13 @@ TEST_F(SurfacesOverTheSocket, ClientRequestsReceivesAndCancelsSurfaces) {
   const auto last = monitor->surfaces();
   monitor->RequestSurfaces(false);
   EXPECT_EQ(monitor->surfaces(), nullptr);
-  std::uint64_t looks = 0;
+  std::uint64_t last_count = 0;
   int still = 0;
   ASSERT_TRUE(Until({monitor.get(), clay.get()}, [&] {
     protocol::SurfacePulse pulse;
     (void)last->Pulse(pulse);
-    still = pulse.looks == looks ? still + 1 : 0;
-    looks = pulse.looks;
+    still = pulse.poll_count == last_count ? still + 1 : 0;
+    last_count = pulse.poll_count;
     return still > 100;
   }));
   EXPECT_TRUE(monitor->connected() && clay->connected()) << monitor->last_error();

@@ -149,7 +149,7 @@ TEST(BallInSoup, WorkPerTickIsBoundedOnTooFineMeshes) {
     ASSERT_GT(NearestOf(cup, state.centre_m), kCup_m * (1 - 3 * kBallMargin)) << k;
   }
   RecordProperty("most", most);
-  EXPECT_LT(most, kMaxBallLooks + 8 * kMaxBallNear);  // a move that was begun is finished
+  EXPECT_LT(most, kMaxBallQueries + 8 * kMaxBallNear);  // a move that was begun is finished
   EXPECT_GT(held, 4);
   for (int k = 0; k < 30; ++k) FollowBall(view, view.tree.root, kCup_m * (1 - 1e-7), {0, 0, 0.001 * k}, state);
   EXPECT_EQ(state.centre_m, (Vec3{0, 0, 0.029}));

@@ -45,7 +45,7 @@ TEST_P(HandTouch, FormsClayHoweverLateItIsFelt) {
     ASSERT_TRUE(intent.ok()) << intent.error();
     LedScenario scenario(loaded->scene, hand, Seed(k), Conditions::Drawn(Seed(k)));
     EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
-    EXPECT_GE(loaded->scene.live()->workshop_at(0).editor().undo_steps(), 2U) << "seed " << Seed(k);
+    EXPECT_GE(loaded->scene.live()->sculpt_session_at(0).editor().undo_steps(), 2U) << "seed " << Seed(k);
     times.Add(scenario.t_s());
   }
   times.Print("clay");

@@ -177,7 +177,7 @@ TEST(SurfaceReader, PulseCountsTheWritersPolls) {
   publisher->Pulse(8);
   ASSERT_TRUE(reader->Pulse(pulse));
   EXPECT_EQ(pulse.t_ns, 8);
-  EXPECT_EQ(pulse.looks, 2U);
+  EXPECT_EQ(pulse.poll_count, 2U);
 }
 
 // Why a descriptor is refused; "accepted": it is not.

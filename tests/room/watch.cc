@@ -67,7 +67,7 @@ sim::HandScript HandOf(const Scenario& scenario, const base::DeviceGeometry& dev
 
 struct Reported {
   std::vector<daemon::RoomFinding> last;
-  std::set<std::string> kinds;  // that were ever told
+  std::set<std::string> kinds;  // ever reported
   bool early = false;           // before the event
 };
 
@@ -114,7 +114,7 @@ void ExpectReported(const Scenario& scenario, const std::string& kind, const std
     all += finding.kind + ": " + daemon::RoomText(finding) + "\n";
   const auto found =
       std::find_if(reported.last.begin(), reported.last.end(), [&](const auto& f) { return f.kind == kind; });
-  ASSERT_NE(found, reported.last.end()) << kind << " is not told, but: " << all;
+  ASSERT_NE(found, reported.last.end()) << kind << " is not reported, but: " << all;
   EXPECT_EQ(found->sensors, sensors) << all;
   for (const char* word : words) {
     EXPECT_NE(daemon::RoomText(*found).find(word), std::string::npos) << word << " not in: " << all;

@@ -20,7 +20,7 @@ bool SetFocus(State& state, bool focus);
 bool SetHand(State& state, int hand, bool active, const Motion& palm);
 // "local", "local_floor" or "stage", else XR_REFERENCE_SPACE_TYPE_MAX_ENUM.
 XrReferenceSpaceType SpaceNamed(std::string_view name);
-// LOCAL (with LOCAL_FLOOR) or STAGE moves. `told`: the event has the new origin.
+// LOCAL (with LOCAL_FLOOR) or STAGE moves. `reported`: the event has the new origin.
 bool Recenter(State& state, XrReferenceSpaceType space, const XrPosef& pose, XrDuration delay_ns, bool reported);
 bool RequestExit(State& state);
 bool LoseSessions(State& state);

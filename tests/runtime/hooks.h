@@ -62,7 +62,7 @@ int omni_test_set_head(const float pose[7], const float velocity[6]);
 int omni_test_set_focus(int focus);
 // LOCAL (and LOCAL_FLOOR with it) moves to `pose`, given in the present LOCAL, after delay_ns; the event is queued now.
 int omni_test_recenter(const float pose[7], int64_t delay_ns);
-// The same for "local" or "stage". told = 0: the event does not contain the new origin (poseValid is false).
+// The same for "local" or "stage". reported = 0: the event does not contain the new origin (poseValid is false).
 int omni_test_move_space(const char* space, const float pose[7], int64_t delay_ns, int reported);
 // 0: sessions have no STAGE from now on.
 int omni_test_offer_stage(int offered);

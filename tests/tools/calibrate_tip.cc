@@ -169,7 +169,7 @@ TEST(ToolsCalibrateTip, CommandUpdatesFileAndDevicePointUsesIt) {
   EXPECT_FALSE(kept->tip_measured);
 
   const double before_m = OffDimple_m(held, kept->calibration), after_m = OffDimple_m(held, now->calibration);
-  std::printf("[ figure   ] device point off the tip: %.3f mm as drawn, %.3f mm measured\n", 1e3 * before_m,
+  std::printf("[ figure   ] device point off the tip: %.3f mm nominal, %.3f mm measured\n", 1e3 * before_m,
               1e3 * after_m);
   EXPECT_LT(after_m, 0.3e-3);
   EXPECT_GT(before_m, 0.5e-3);

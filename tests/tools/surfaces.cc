@@ -14,7 +14,7 @@ SurfacesView SomeView() {
                     .scene_generation = 3,
                     .memory_generation = 7,
                     .bytes = 5'400'000,
-                    .looks_Hz = 89.97};
+                    .poll_Hz = 89.97};
   view.rows.push_back({.name = "liver",
                        .flags = protocol::kSurfaceSoft | protocol::kSurfaceMoved,
                        .vertices = 1200,

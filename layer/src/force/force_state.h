@@ -28,7 +28,7 @@ ForceStatus StatusOf(const ForceSituation& situation) noexcept;
 class ForceStatusWatch {
  public:
   explicit ForceStatusWatch(const ForceStatus& at_first) : reported_(at_first) {}
-  // True: there is a change to report, in `told`.
+  // True: there is a change to report, in `reported`.
   bool Step(const ForceStatus& now, std::int64_t now_ns, ForceStatus& reported) noexcept;
 
  private:

@@ -41,7 +41,7 @@ Vec3 FaceNormal(const View& view, std::uint32_t triangle) noexcept {
   return Normalized(AreaVector(view.TriangleCorners(triangle)));
 }
 
-// Outward direction at a feature whose sign against (p - closest point) tells outside from inside
+// Outward direction at a feature whose sign against (p - closest point) distinguishes outside from inside
 // [Baerentzen & Aanaes 2005]: face normal, mean of the two faces of an edge, angle-weighted sum around a vertex. Unit.
 template <MeshView View>
 Vec3 Pseudonormal(const View& view, std::uint32_t triangle, Feature feature, int index) noexcept {

@@ -21,7 +21,7 @@ class LiveParts {
 
   // Before the scene is handed to the tick. Precondition: fewer than kMaxSculpted so far, none for this object.
   void AddSculptSession(std::uint32_t object, std::unique_ptr<sculpt::SculptSession> sculpt_session) {
-    workshop_of_[object] = sculpt_session.get();
+    sculpt_session_of_[object] = sculpt_session.get();
     sculpt_sessions_.push_back(std::move(sculpt_session));
     objects_.push_back(object);
   }
@@ -36,7 +36,7 @@ class LiveParts {
   const SoftBody* soft_body(std::uint32_t object) const noexcept {
     return soft_of_[object].load(std::memory_order_acquire);
   }
-  sculpt::SculptSession* sculpt_session(std::uint32_t object) const noexcept { return workshop_of_[object]; }
+  sculpt::SculptSession* sculpt_session(std::uint32_t object) const noexcept { return sculpt_session_of_[object]; }
 
   // The n-th sculpt session and its object, n < sculpt_session_count() <= kMaxSculpted.
   std::uint32_t sculpt_session_count() const noexcept { return static_cast<std::uint32_t>(sculpt_sessions_.size()); }
@@ -46,7 +46,7 @@ class LiveParts {
  private:
   std::array<std::atomic<const SoftBody*>, kMaxObjects> soft_of_{};
   std::array<std::unique_ptr<const SoftBody>, kMaxObjects> bodies_;
-  std::array<sculpt::SculptSession*, kMaxObjects> workshop_of_{};
+  std::array<sculpt::SculptSession*, kMaxObjects> sculpt_session_of_{};
   std::vector<std::unique_ptr<sculpt::SculptSession>> sculpt_sessions_;
   std::vector<std::uint32_t> objects_;
 };

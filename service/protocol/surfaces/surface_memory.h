@@ -63,8 +63,8 @@ static_assert(std::is_trivially_copyable_v<SurfaceFrame> && sizeof(SurfaceFrame)
 
 // Shows that the writer is alive, and how often it polls.
 struct SurfacePulse {
-  std::int64_t t_ns = 0;    // CLOCK_MONOTONIC of the newest poll
-  std::uint64_t looks = 0;  // since the memory was made
+  std::int64_t t_ns = 0;         // CLOCK_MONOTONIC of the newest poll
+  std::uint64_t poll_count = 0;  // since the memory was made
 };
 static_assert(std::is_trivially_copyable_v<SurfacePulse> && sizeof(SurfacePulse) % 8 == 0);
 

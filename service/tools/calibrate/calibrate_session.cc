@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kClearScans = 100;      // without a strong field in a row
 constexpr double kClear_T = 1.5e-4;   // the earth's field and some iron nearby
-constexpr double kReach_m = 0.16;     // further away a pose tells little about the sensors
+constexpr double kReach_m = 0.16;     // further away a pose carries little information on the sensors
 constexpr double kTouchGap_m = 0.01;  // an uncalibrated pose is good to some millimetres
 constexpr calibration::WindowOptions kWindow{};
 

@@ -81,12 +81,12 @@ class SurfaceCounter {
     view_.rows.clear();
     copies_.clear();
     since_ns_ = now_ns;
-    query_count_ = QueryCount();
+    poll_count_ = PollCount();
     if (reader_ == nullptr) return;
     view_.scene_generation = reader_->scene_generation();
     view_.memory_generation = reader_->memory_generation();
     view_.bytes = reader_->bytes();
-    view_.looks_Hz = 0;
+    view_.poll_Hz = 0;
     copies_.resize(reader_->object_count());
     counts_.assign(reader_->object_count(), 0);
     for (std::size_t i = 0; i < reader_->object_count(); ++i) {
@@ -106,15 +106,15 @@ class SurfaceCounter {
     for (std::size_t i = 0; i < counts_.size(); ++i) {
       view_.rows[i].changes_Hz = static_cast<double>(std::exchange(counts_[i], 0)) / elapsed_s;
     }
-    const std::uint64_t query_count = QueryCount();
-    view_.looks_Hz = static_cast<double>(query_count - query_count_) / elapsed_s;
-    query_count_ = query_count;
+    const std::uint64_t poll_count = PollCount();
+    view_.poll_Hz = static_cast<double>(poll_count - poll_count_) / elapsed_s;
+    poll_count_ = poll_count;
     since_ns_ = now_ns;
   }
 
-  std::uint64_t QueryCount() const {
+  std::uint64_t PollCount() const {
     protocol::SurfacePulse pulse;
-    return reader_ != nullptr && reader_->Pulse(pulse) ? pulse.query_count : 0;
+    return reader_ != nullptr && reader_->Pulse(pulse) ? pulse.poll_count : 0;
   }
 
   client::Connection connection_;
@@ -123,7 +123,7 @@ class SurfaceCounter {
   std::vector<SurfaceCopy> copies_;  // of the objects
   std::vector<int> counts_;          // reads that brought something new
   std::int64_t since_ns_ = 0;
-  std::uint64_t query_count_ = 0;
+  std::uint64_t poll_count_ = 0;
 };
 
 int NoSurfaceService(const SurfacesArguments& arguments, const SurfaceCounter& counter) {
@@ -143,7 +143,7 @@ int PrintSurfaces(const SurfacesArguments& arguments) {
     counter.Read(now_ns);
     const SurfacesView& view = counter.view();
     if (counter.failed()) break;
-    const bool counted = view.has_memory ? view.looks_Hz > 0 : view.answered;
+    const bool counted = view.has_memory ? view.poll_Hz > 0 : view.answered;
     if (counted || now_ns - begin_ns > kAnswerTime_ns) break;
     std::this_thread::sleep_for(kReadPeriod);
   }

@@ -47,7 +47,7 @@ std::string SurfacesText(const SurfacesView& view) {
   std::string text = Printed("scene %llu, memory %llu of %.1f MB, checked %.1f times per second\n",
                              static_cast<unsigned long long>(view.scene_generation),
                              static_cast<unsigned long long>(view.memory_generation),
-                             static_cast<double>(view.bytes) * 1e-6, view.looks_Hz);
+                             static_cast<double>(view.bytes) * 1e-6, view.poll_Hz);
   std::size_t longest = 6;
   for (const SurfaceRow& row : view.rows) longest = std::max(longest, row.name.size());
   const int width = static_cast<int>(longest);

@@ -22,7 +22,7 @@ struct SurfacesView {
   bool answered = false;  // by the service
   bool has_memory = false;
   std::uint64_t scene_generation = 0, memory_generation = 0, bytes = 0;
-  double looks_Hz = 0;
+  double poll_Hz = 0;
   std::vector<SurfaceRow> rows;
 };
 

@@ -139,7 +139,7 @@ int RunTwin(const RunArguments& arguments) {
   const TrackingErrors errors = CompareTracking(tracked, *table);
   std::printf("scene            %s\n", path.c_str());
   std::printf("what changes     %u soft bodies, %u sculptable surfaces\n", loaded->live.soft_bodies,
-              loaded->live.workshops);
+              loaded->live.sculpt_sessions);
   std::printf("device           digital twin (a simulation), seed %llu\n",
               static_cast<unsigned long long>(arguments.seed));
   std::printf("ticks            %llu (virtual time, %.3f s)\n", static_cast<unsigned long long>(summary.ticks),

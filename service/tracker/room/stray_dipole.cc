@@ -125,7 +125,7 @@ Eigen::Matrix<double, kReadings, 3> MomentColumns(const Model& model, const Vect
 }
 
 // The moment that a dipole there would have, linear in the evidence.
-void LookAt(const DipoleOptions& options, const Model& model, int place, StrayDipole& dipole) noexcept {
+void ScorePlace(const DipoleOptions& options, const Model& model, int place, StrayDipole& dipole) noexcept {
   Vector6 p;
   p.head<3>() = PlaceOf(place);
   const Eigen::Matrix<double, kReadings, 3> X = MomentColumns(model, p.head<3>());
@@ -227,7 +227,7 @@ void SearchDipole(const DipoleOptions& options, const Model& model, StrayDipole&
   if (!(dipole.lately.scans > 0)) return;
   for (int k = 0; k < options.places_a_scan && !dipole.started; ++k) {
     const auto place = static_cast<std::size_t>(dipole.place);
-    if (((dipole.nowhere[place / 64] >> (place % 64)) & 1U) == 0) LookAt(options, model, dipole.place, dipole);
+    if (((dipole.nowhere[place / 64] >> (place % 64)) & 1U) == 0) ScorePlace(options, model, dipole.place, dipole);
     if (++dipole.place == kPlaces) return BeginSteps(options, dipole);
   }
   if (!dipole.started) return;

@@ -176,7 +176,7 @@ Artist::~Artist() {
 }
 
 void Artist::Run() {
-  std::uint64_t welcomed = 0, looks = 0;
+  std::uint64_t welcomed = 0, last_count = 0;
   while (!stop_) {
     const std::int64_t now_ns = base::MonotonicNow_ns();
     connection_.Poll(now_ns);
@@ -189,8 +189,8 @@ void Artist::Run() {
     }
     const auto surfaces = connection_.surfaces();
     protocol::SurfacePulse pulse;
-    if (surfaces != nullptr && surfaces->Pulse(pulse) && pulse.looks != looks) {
-      looks = pulse.looks;
+    if (surfaces != nullptr && surfaces->Pulse(pulse) && pulse.poll_count != last_count) {
+      last_count = pulse.poll_count;
       ++frames_;
       const std::int64_t last_ns = last_ns_.exchange(now_ns);
       if (last_ns > 0) pause_ns_ = std::max(pause_ns_.load(), now_ns - last_ns);

@@ -157,7 +157,7 @@ void StackScenario::MakeSets() {
   static int serial = 0;
   for (int i = 0; i < 3; ++i) {
     priorities_.push_back(static_cast<std::uint32_t>(random_() % 3));
-    sets_.push_back(app_.MakeSet(("story" + std::to_string(serial++)).c_str(), priorities_.back()));
+    sets_.push_back(app_.MakeSet(("scenario" + std::to_string(serial++)).c_str(), priorities_.back()));
   }
   const std::vector<XrActionType> types{XR_ACTION_TYPE_BOOLEAN_INPUT, XR_ACTION_TYPE_BOOLEAN_INPUT,
                                         XR_ACTION_TYPE_FLOAT_INPUT, XR_ACTION_TYPE_VECTOR2F_INPUT,

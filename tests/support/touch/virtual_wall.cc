@@ -148,7 +148,7 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario
   run.given_J = plant.given_J();
   run.stiffness_N_m =
       rule == WallRule::kBounded ? std::min(stiffness_N_m, output.stiffness_offered_N_m) : stiffness_N_m;
-  run.predict_s = rule == WallRule::kBounded ? state.offer.predict_s : 0;
+  run.predict_s = rule == WallRule::kBounded ? state.bound.predict_s : 0;
   return run;
 }
 

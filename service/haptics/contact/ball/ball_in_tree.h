@@ -26,7 +26,7 @@ class BallDescent {
     const double expected_m = Norm(expected);
     if (expected_m > 0) span_m_ = std::max(1.5 * expected_m, 0.02 * radius_m_);
     if (!Gather(expected)) return Held();
-    for (int step = 0; step < kMaxBallSteps && looks_ < kMaxBallLooks; ++step) {
+    for (int step = 0; step < kMaxBallSteps && query_count_ < kMaxBallQueries; ++step) {
       FindTouching();
       const NearestInside next = Next();
       RememberFaces(next);
@@ -66,7 +66,7 @@ class BallDescent {
       gathered_at_ = centre_ + (0.5 * share) * move;
       reach_m_ = 0.7 * share * length_m + 4 * margin_m_;
       const bool complete = GatherNear(view_, root_, gathered_at_, radius_m_ + reach_m_, near_);
-      looks_ += static_cast<int>(near_.count / kPacketSize);
+      query_count_ += static_cast<int>(near_.count / kPacketSize);
       if (!complete) continue;
       span_m_ *= 2;
       return true;
@@ -90,7 +90,7 @@ class BallDescent {
     for (std::size_t i = 0; i < near_.count; ++i) {
       BallNeighbour& neighbour = near_.of[i];
       if (neighbour.AtLeast(way) > radius_m_ + 0.5 * margin_m_) continue;
-      ++looks_;
+      ++query_count_;
       const ClosestPoint closest = ClosestOnTriangle(view_.TriangleCorners(neighbour.triangle), centre_);
       const double distance_m = std::sqrt(closest.distance_squared);
       const double kept_m = IsOnFace(neighbour.triangle, closest) ? radius_m_ : radius_m_ - margin_m_;
@@ -213,7 +213,7 @@ class BallDescent {
     for (std::size_t i = 0; i < near_.count && t > 0; ++i) {
       const BallNeighbour& neighbour = near_.of[i];
       if (std::min(neighbour.AtLeast(way), neighbour.AtLeast(way + t * move)) > over_m) continue;
-      ++looks_;
+      ++query_count_;
       const Corners corners = view_.TriangleCorners(neighbour.triangle);
       if (!StaysOver(corners, t * move, over_m)) t = FirstTouch(corners, centre_, move, hard_m, 0.25 * margin_m_, t);
     }
@@ -289,7 +289,7 @@ class BallDescent {
   Vec3 gathered_at_;    // around there, near_ is complete ...
   double reach_m_ = 0;  // ... for a ball whose centre is at most so far away
   BallNear near_;
-  int looks_ = 0;  // triangles checked in this tick, packets while gathering
+  int query_count_ = 0;  // triangles checked in this tick, packets while gathering
   std::array<std::uint32_t, kMaxActive> faces_{kNoIndex, kNoIndex, kNoIndex};  // that held the ball at the last move
   Vec3 last_slide_;
   double stride_ = 1;

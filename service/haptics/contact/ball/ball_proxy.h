@@ -19,10 +19,10 @@ inline constexpr double kMaxBallRadius_m = 0.01;
 // kBallMargin).
 inline constexpr double kBallMargin = 1e-4;
 
-inline constexpr int kMaxBallSteps = 32;     // straight moves in a tick; the ball goes on in the next
-inline constexpr int kMaxBallLooks = 2048;   // triangles checked in a tick, after which no further move is begun
-inline constexpr int kMaxBallNear = 512;     // triangles known in a move; more near by: the move gets shorter
-inline constexpr int kMaxBallTouching = 16;  // surfaces touched at once; those that hold back most are kept
+inline constexpr int kMaxBallSteps = 32;      // straight moves in a tick; the ball goes on in the next
+inline constexpr int kMaxBallQueries = 2048;  // triangles checked in a tick, after which no further move is begun
+inline constexpr int kMaxBallNear = 512;      // triangles known in a move; more near by: the move gets shorter
+inline constexpr int kMaxBallTouching = 16;   // surfaces touched at once; those that hold back most are kept
 
 // Kept from tick to tick, one for each object a ball can touch. Frame: the mesh's rest frame. Code that moves the
 // mesh's vertices must move the centre of a touching ball by the same motion, or keep the motion below the radius: the

@@ -1,0 +1,122 @@
+// Words that this project used in a sense of its own, or that nobody else uses: they stay out of code, help and docs.
+// The terms to use are those of docs/conventions.md.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace omni::architecture {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Retired {
+  const char* hint;     // lower case; in every line that the pattern finds
+  const char* pattern;  // ECMAScript; words without regard to case, names as they are written
+  const char* instead;
+  const char* example;
+};
+constexpr Retired kRetired[] = {
+    {"told", R"(\btold\b)", "notified, reported, received, sent", "the client is told"},
+    {"tells", R"(\btells\b)", "reports, shows, returns", "what it tells of the pen"},
+    {"anew", R"(\banew\b)", "again, from scratch", "it is built anew"},
+    {"in vain", R"(\bin vain\b)", "without success", "tried in vain"},
+    {"farther", R"(\bfarther\b)", "further, beyond", "a pen that is farther away"},
+    {"mend", R"(\bmend(s|ed|ing)?\b)", "fix", "mend the manifest"},
+    {"nobody", R"(\bnobody (hears|listens)\b)", "without a listener", "nobody hears it"},
+    {"as drawn", R"(\bas drawn\b)", "nominal", "a base as drawn"},
+    {"hardly ever", R"(\bhardly ever\b)", "almost never", "which it hardly ever is"},
+    {"whence", R"(\bwhence\b)", "from which", "whence it came"},
+    {"thereof", R"(\bthereof\b)", "of it", "a part thereof"},
+    {"of old", R"(\bof old\b)", "as before", "as of old"},
+    {"tell", R"(\bTell(All|Force|Faults|Findings|Placements|Constraints)\b)", "Notify, Send, Report", "TellAll()"},
+    {"ask", R"(\bAsk(For)?(Anew|Bodies|Fault|Hello|Loader|Placement|Record|Scene|Status|Textures)\b)", "Request, Query",
+     "AskStatus()"},
+    {"lookat", R"(\bLookAt\w*\()", "Check, Measure", "LookAtRoom()"},
+    {"take", R"(\bTake(Answer|Fresh|News|Notices|Problem|Pulses|Result|Status|Written)\b)", "Pop, Handle",
+     "TakeStatus()"},
+    {"offer", R"(\bOffer(Of|State|edTo)?\b(?= [a-z]|\())", "StiffnessBound", "Offer given = input.offer"},
+    {"touchables", R"(\bTouchables\b)", "ContactScene", "const Touchables& scene"},
+    {"meet", R"(\bMeet(All|ing|ings)\b(?=[ (]))", "ContactGeometry, MeasureContacts", "Meeting met"},
+    {"workshop", R"(\b(Add|Has)?Workshops?\b(?=[ (&*]))", "SculptSession", "class Workshop {"},
+    {"story", R"(\b([A-Z]\w*)?Story\b)", "Scenario", "LoopStory"},
+    {"quiet", R"(\bQuiet(Watch|Timing|Device)\b)", "IdleWatch, IdleTiming, SilentDevice", "QuietWatch watch"},
+    {"feel", R"(\b(SculptFeel|HapticFeel|FeelRow|FeelOf)\b)", "parameters", "SculptFeel feel"},
+    {"tamed", R"(\bTamed\b)", "Clamped", "Tamed(sample)"},
+    {"hand_at_wall", R"(\bhand_at_wall\b)", "virtual_wall", "hand_at_wall.h"},
+    {"command_life", R"(\bcommand_life\b)", "command_ttl", "command_life.h"},
+};
+
+std::regex PatternOf(const Retired& row) {
+  const std::string pattern = row.pattern;
+  const bool is_name = std::any_of(pattern.begin(), pattern.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+  return std::regex(pattern, is_name ? std::regex::ECMAScript : std::regex::ECMAScript | std::regex::icase);
+}
+
+// "WORD: use ..." of every retired word in the line.
+std::vector<std::string> RetiredIn(const std::string& line) {
+  std::string lower = line;
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::vector<std::string> found;
+  for (const Retired& row : kRetired) {
+    std::smatch match;
+    if (lower.find(row.hint) != std::string::npos && std::regex_search(line, match, PatternOf(row)))
+      found.push_back("\"" + match.str() + "\": use " + row.instead);
+  }
+  return found;
+}
+
+// Names of faults and rules are frozen: in documents they are quoted or bold.
+std::string WithoutNames(const std::string& line) {
+  static const std::regex name(R"(`[^`]*`|\*\*[^*]*\*\*)");
+  return std::regex_replace(line, name, "``");
+}
+
+// Rows of benchmarks keep their words, so that figures of before can be found.
+bool IsFrozen(const std::string& line) { return line.find("xrLocateSpace tells its pose") != std::string::npos; }
+
+bool IsRead(const fs::path& path) {
+  static const std::set<std::string> kinds{".c", ".cc", ".cmake", ".cpp", ".h", ".md", ".py", ".sh", ".toml", ".ts"};
+  const std::string name = path.filename().string();
+  if (name == "words_test.cc" || name == "benchmarks.md") return false;
+  return kinds.count(path.extension().string()) != 0 || name == "CMakeLists.txt" ||
+         path.parent_path().filename() == "scripts";
+}
+
+void Check(const fs::path& path, int& files) {
+  ++files;
+  std::ifstream in(path);
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    if (IsFrozen(line)) continue;
+    if (RetiredIn(line).empty()) continue;
+    const std::string text = path.extension() == ".md" ? WithoutNames(line) : line;
+    for (const std::string& found : RetiredIn(text)) ADD_FAILURE() << path.string() << ":" << number << ": " << found;
+  }
+}
+
+TEST(Words, RetiredOnesAreNotUsed) {
+  const fs::path root = OMNI_SOURCE_DIR;
+  int files = 0;
+  for (const char* top : {"docs", "firmware", "layer", "manifests", "scenes", "scripts", "service", "tests"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / top))
+      if (entry.is_regular_file() && IsRead(entry.path())) Check(entry.path(), files);
+  for (const char* name : {"README.md", "SECURITY.md", "CMakeLists.txt"}) Check(root / name, files);
+  EXPECT_GT(files, 1500) << "the sources were found";
+}
+
+TEST(Words, EachRetiredOneIsFound) {
+  for (const Retired& row : kRetired) EXPECT_EQ(RetiredIn(row.example).size(), 1U) << row.example;
+  EXPECT_TRUE(RetiredIn("the answer is sent again; tell them apart; further, fixed, nominal").empty());
+  EXPECT_EQ(WithoutNames("| `append-starts-anew` | appended |"), "| `` | appended |");
+}
+
+}  // namespace
+}  // namespace omni::architecture
