@@ -153,8 +153,8 @@ TEST(LiveSculptSessionTest, TakesSurfaceAndParametersFromTheScene) {
   sculpt::SculptSession& sculpt_session = live.sculpt_session_at(0);
   EXPECT_EQ(live.sculpt_session(1), &sculpt_session);
   EXPECT_EQ(live.sculpt_session(0), nullptr);
-  EXPECT_EQ(sculpt_session.feel().stiffness_N_m, 333);
-  EXPECT_EQ(sculpt_session.feel().grid_step_m, 0.002);
+  EXPECT_EQ(sculpt_session.parameters().stiffness_N_m, 333);
+  EXPECT_EQ(sculpt_session.parameters().grid_step_m, 0.002);
   EXPECT_EQ(sculpt_session.editor().options().grid_step_m, 0.002);
   EXPECT_EQ(sculpt_session.brush().falloff, sculpt::Falloff::kLinear);
   EXPECT_EQ(sculpt_session.brush().radius_m, 0.004);

@@ -107,9 +107,9 @@ struct ContactModel {
     return std::max(0.0, elastic_N - damping_Ns_m * Dot(met.velocity_m_s, met.normal));
   }
 
-  double Ripple(const Material& m, const SurfaceFactors& felt, double stiffness_N_m, double elastic_N, double slid_m,
+  double Ripple(const Material& m, const SurfaceFactors& factors, double stiffness_N_m, double elastic_N, double slid_m,
                 double& phase) const noexcept {
-    const TextureEffect texture{felt.ripple * m.texture_amplitude_m, m.texture_wavelength_m, m.texture_gain};
+    const TextureEffect texture{factors.ripple * m.texture_amplitude_m, m.texture_wavelength_m, m.texture_gain};
     const VibrationEffect hum{m.vibration_amplitude_N, m.vibration_frequency_Hz};
     return texture.ForceOn(stiffness_N_m, elastic_N, slid_m, dt_s, phase) + hum.ForceOn(input.t_ns, elastic_N);
   }
@@ -131,20 +131,20 @@ struct ContactModel {
   }
 
   // `body_N`: the force of a soft body.
-  ContactForce Of(const ContactGeometry& met, const SurfaceFactors& felt, double stiffness_N_m, double body_N,
+  ContactForce Of(const ContactGeometry& met, const SurfaceFactors& factors, double stiffness_N_m, double body_N,
                   const Vec3& last_proxy_m, double& texture_phase, ContactState& contact) const noexcept {
     const Material& m = MaterialOf(contact_scene, contact);
     ContactForce result;
     result.depth_m = met.depth_m;
-    result.asked_stiffness_N_m = felt.stiffness * m.stiffness_N_m;
+    result.asked_stiffness_N_m = factors.stiffness * m.stiffness_N_m;
     result.stiffness_cut = result.asked_stiffness_N_m > 0 ? stiffness_N_m / result.asked_stiffness_N_m : 1;
     result.elastic_N = met.soft ? body_N : LayerForce(m.softness, stiffness_N_m, met.depth_m, dt_s, contact);
     const double tangential_N_m = met.depth_m > 1e-9 ? result.elastic_N / met.depth_m : 0;
     const double rubs_N_m = std::min({tangential_N_m, stiffness_N_m, bound.stiffness_N_m});  // any direction
-    const Vec3 friction = Rub(met, felt, m, rubs_N_m, result.elastic_N, contact);
+    const Vec3 friction = Rub(met, factors, m, rubs_N_m, result.elastic_N, contact);
     const double slid_m = contact.sticking ? 0 : Norm(contact.proxy_m - last_proxy_m);
     const double normal_N = Normal(m, result.elastic_N, met);
-    const double ripple_N = Ripple(m, felt, stiffness_N_m, result.elastic_N, slid_m, texture_phase);
+    const double ripple_N = Ripple(m, factors, stiffness_N_m, result.elastic_N, slid_m, texture_phase);
     const Object& object = contact_scene.scene().objects()[contact.object];
     result.force_N = std::max(0.0, normal_N + ripple_N) * met.normal + friction + Drag(m, object, met.velocity_m_s);
     FadeSwap(result, contact);
@@ -163,15 +163,15 @@ struct ContactModel {
     return result;
   }
 
-  Vec3 Rub(const ContactGeometry& met, const SurfaceFactors& felt, const Material& m, double stiffness_N_m,
+  Vec3 Rub(const ContactGeometry& met, const SurfaceFactors& factors, const Material& m, double stiffness_N_m,
            double elastic_N, ContactState& contact) const noexcept {
     const FrictionInput rubbed{contact.proxy_m,
                                met.normal,
                                contact.triangle,
                                elastic_N,
                                stiffness_N_m,
-                               felt.friction * m.static_friction,
-                               felt.friction * std::min(m.dynamic_friction, m.static_friction)};
+                               factors.friction * m.static_friction,
+                               factors.friction * std::min(m.dynamic_friction, m.static_friction)};
     return contact_scene.On(contact.object, [&](const auto& view) noexcept {
       const Vec3 friction = FrictionForce(view, rubbed, contact);
       if (contact.anchor_triangle != kNoIndex) contact.anchor_m = AnchorPosition(view, contact);
@@ -193,7 +193,7 @@ void PopIfTooHard(const Material& m, const Object& object, bool ball, const Cont
 // What the contacts have in common, before their forces.
 struct ContactGeometries {
   std::array<ContactGeometry, kMaxContacts> met;
-  std::array<SurfaceFactors, kMaxContacts> felt;
+  std::array<SurfaceFactors, kMaxContacts> factors;
   std::array<double, kMaxContacts> stiffness_N_m{};
   std::array<double, kMaxContacts> load{};  // over the stiffness bound
   std::array<double, kMaxContacts> body_N{};
@@ -219,9 +219,9 @@ ContactGeometries MeasureContacts(const ContactScene& contact_scene, const Input
     if (MaterialOf(contact_scene, contact).smooth && contact.one_place) Shade(contact_scene, contact, all.met[k]);
     normals_base[k] = all.met[k].frame.BaseDirection(all.met[k].normal);
     const Material& m = MaterialOf(contact_scene, contact);
-    all.felt[k] = FactorsAt(contact_scene, m, contact);
+    all.factors[k] = FactorsAt(contact_scene, m, contact);
     const double bound_N_m = BoundTo(bound, normals_base[k], contact);
-    all.stiffness_N_m[k] = std::clamp(all.felt[k].stiffness * m.stiffness_N_m, 0.0, bound_N_m);
+    all.stiffness_N_m[k] = std::clamp(all.factors[k].stiffness * m.stiffness_N_m, 0.0, bound_N_m);
     load[k] = bound_N_m > 0 ? all.stiffness_N_m[k] / bound_N_m : 0;
   }
   const double share = StiffnessShare(normals_base, load);
@@ -260,7 +260,7 @@ ContactForces ForcesOf(const StiffnessBound& bound, const ContactScene& contact_
     ContactState& contact = state.contacts[k];
     if (!contact.IsFelt()) continue;
     const Material& m = MaterialOf(contact_scene, contact);
-    ContactForce force = model.Of(all.met[k], all.felt[k], all.stiffness_N_m[k], all.body_N[k], last_proxy_m[k],
+    ContactForce force = model.Of(all.met[k], all.factors[k], all.stiffness_N_m[k], all.body_N[k], last_proxy_m[k],
                                   state.texture_phase, contact);
     force.report.load = all.load[k];
     force.report.point_base_m = all.met[k].frame.ToBase(DeformedProxy(contact_scene, contact, state));

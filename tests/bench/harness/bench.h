@@ -48,6 +48,9 @@ base::Result<BenchRows> BenchLayer(const BenchOptions& options);
 // Force map against the twin, by model and gap; timing: model, gap_mm, error_median_pct, ..., stage, us_median, us_p99.
 base::Result<BenchRows> BenchForce(const BenchOptions& options);
 
+// The vector kernels by instruction set: part, instructions, precision, us_median, us_p99.
+base::Result<BenchRows> BenchKernels(const BenchOptions& options);
+
 // Heat runs of the paper on the twin and in the host: run, model, peak_C, peak_s, end_C, copper_peak_C, ... Side
 // table: fifteen minutes of a constant set-point on the whole twin.
 base::Result<BenchRows> BenchThermal(const BenchOptions& options);

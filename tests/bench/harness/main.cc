@@ -34,6 +34,7 @@ constexpr Bench kBenches[] = {
     {"calibration", "self-calibration of ten uncalibrated bases (a simulation)", BenchCalibration},
     {"align", "alignment of the base in a headset's space: error by method (a simulation)", BenchAlign},
     {"force", "the force map against the twin, by model and gap, and its cost", BenchForce},
+    {"kernels", "the vector kernels of tracker, actuation and twin, by instruction set and precision", BenchKernels},
     {"collision", "contact with rigid meshes, compared with four engines: time, correctness, memory", BenchCollision},
     {"latency", "latency from a sensor's sample to the current that responds to it", BenchLatency},
     {"stability", "walls that are stable for a simulated hand, and the stiffness the renderer allows", BenchStability},
