@@ -151,7 +151,7 @@ struct Service::RequestHandler {
   requires std::is_constructible_v<protocol::ForceRequest, const M&>
   void operator()(const M& force) const {
     const std::int64_t now_ns = base::MonotonicNow_ns();
-    if (service.force_.Take(id, force, now_ns)) service.WriteCommands(now_ns);
+    if (service.force_.Handle(id, force, now_ns)) service.WriteCommands(now_ns);
     if (std::is_same_v<M, protocol::ForceClaim>) service.SendForceProperties();
   }
 
@@ -264,7 +264,7 @@ void Service::HandleBuiltScenes() {
 void Service::TakeAppScene(BuiltScene built) {
   const ipc::ClientId id = AppScenes::ClientOf(built.client);
   const std::string error = built.error;
-  const std::shared_ptr<const BuiltScene> scene = app_scenes_.Take(std::move(built));
+  const std::shared_ptr<const BuiltScene> scene = app_scenes_.Accept(std::move(built));
   if (scene == nullptr) {
     if (!error.empty()) Problem(0, 1, error);
     return;

@@ -25,7 +25,7 @@ class BaseNotes {
   // A FAULT or LOG frame; other frames are refused. No allocation.
   wire::Status Add(const wire::FrameView& view) noexcept;
   // False: there is none.
-  bool Take(BaseNote& note) noexcept { return ring_.TryPop(note); }
+  bool Pop(BaseNote& note) noexcept { return ring_.TryPop(note); }
 
  private:
   base::SpscRing<BaseNote, kCapacity> ring_;

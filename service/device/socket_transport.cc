@@ -98,7 +98,7 @@ class SocketTransport final : public Transport {
 
   const TransportInfo& info() const noexcept override { return info_; }
   TransportCounters counters() const noexcept override { return counters_.Snapshot(); }
-  bool TakeNote(BaseNote& note) noexcept override { return notes_.Take(note); }
+  bool PopNote(BaseNote& note) noexcept override { return notes_.Pop(note); }
 
  private:
   struct Drained {

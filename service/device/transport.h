@@ -57,7 +57,7 @@ class Transport {
   // Any thread. All zero where a transport does not know.
   virtual TransportState state() const noexcept { return {}; }
   // The next FAULT or LOG of the base; false: none. One thread, which may be another one than Read's.
-  virtual bool TakeNote(BaseNote& /*note*/) noexcept { return false; }
+  virtual bool PopNote(BaseNote& /*note*/) noexcept { return false; }
 };
 
 }  // namespace omni::device

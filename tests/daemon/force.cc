@@ -42,7 +42,7 @@ class ForceClientsTest : public testing::Test {
   void Claim(ipc::ClientId id, bool wanted = true) {
     protocol::ForceClaim claim;
     claim.wanted = wanted ? 1 : 0;
-    table_.Take(id, claim, kNow_ns);
+    table_.Handle(id, claim, kNow_ns);
   }
   static protocol::ForceApply Push(std::int64_t t_ns = kNow_ns, std::int64_t duration_ns = 100 * kMs_ns) {
     protocol::ForceApply apply;
@@ -66,14 +66,14 @@ class ForceClientsTest : public testing::Test {
 };
 
 TEST_F(ForceClientsTest, OnlyTheFocusedClientThatClaimedThePenCanPush) {
-  EXPECT_FALSE(table_.Take(1, Push(), kNow_ns)) << "no claim, no focus";
+  EXPECT_FALSE(table_.Handle(1, Push(), kNow_ns)) << "no claim, no focus";
   Claim(1);
-  EXPECT_FALSE(table_.Take(1, Push(), kNow_ns)) << "no focus";
+  EXPECT_FALSE(table_.Handle(1, Push(), kNow_ns)) << "no focus";
   table_.SetOwner(1);
-  EXPECT_TRUE(table_.Take(1, Push(), kNow_ns));
+  EXPECT_TRUE(table_.Handle(1, Push(), kNow_ns));
   Claim(2);
-  EXPECT_FALSE(table_.Take(2, Push(), kNow_ns)) << "another client is focused";
-  EXPECT_FALSE(table_.Take(99, Push(), kNow_ns)) << "unknown client";
+  EXPECT_FALSE(table_.Handle(2, Push(), kNow_ns)) << "another client is focused";
+  EXPECT_FALSE(table_.Handle(99, Push(), kNow_ns)) << "unknown client";
   EXPECT_TRUE(table_.Command(kNow_ns, kNow_ns).open);
 }
 
@@ -81,8 +81,8 @@ TEST_F(ForceClientsTest, ChangeOfOwnerClearsForcesAndConstraints) {
   Claim(1);
   Claim(2);
   table_.SetOwner(1);
-  ASSERT_TRUE(table_.Take(1, Push(), kNow_ns));
-  ASSERT_TRUE(table_.Take(1, TwoSprings(), kNow_ns));
+  ASSERT_TRUE(table_.Handle(1, Push(), kNow_ns));
+  ASSERT_TRUE(table_.Handle(1, TwoSprings(), kNow_ns));
   const haptics::AppliedCommand before = table_.Command(kNow_ns, kNow_ns);
   EXPECT_EQ(before.constraint_count, 2U);
   EXPECT_GT(before.force_end_ns, kNow_ns);
@@ -99,15 +99,15 @@ TEST_F(ForceClientsTest, ChangeOfOwnerClearsForcesAndConstraints) {
 TEST_F(ForceClientsTest, StopAndReleaseEndForcesAndConstraints) {
   Claim(1);
   table_.SetOwner(1);
-  table_.Take(1, TwoSprings(), kNow_ns);
-  table_.Take(1, protocol::ForceStop{}, kNow_ns);
+  table_.Handle(1, TwoSprings(), kNow_ns);
+  table_.Handle(1, protocol::ForceStop{}, kNow_ns);
   EXPECT_EQ(table_.Command(kNow_ns, kNow_ns).constraint_count, 0U);
-  table_.Take(1, TwoSprings(), kNow_ns);
+  table_.Handle(1, TwoSprings(), kNow_ns);
   Claim(1, false);
   EXPECT_EQ(table_.Command(kNow_ns, kNow_ns).constraint_count, 0U);
   EXPECT_FALSE(table_.Command(kNow_ns, kNow_ns).open);
   Claim(1);
-  table_.Take(1, TwoSprings(), kNow_ns);
+  table_.Handle(1, TwoSprings(), kNow_ns);
   table_.Remove(1);
   EXPECT_EQ(table_.Command(kNow_ns, kNow_ns).constraint_count, 0U);
 }
@@ -115,7 +115,7 @@ TEST_F(ForceClientsTest, StopAndReleaseEndForcesAndConstraints) {
 TEST_F(ForceClientsTest, ForceIsSuspendedAfter50MillisecondsWithoutHeartbeat) {
   Claim(1);
   table_.SetOwner(1);
-  table_.Take(1, TwoSprings(), kNow_ns);
+  table_.Handle(1, TwoSprings(), kNow_ns);
   EXPECT_TRUE(table_.Command(kNow_ns, kNow_ns - 50 * kMs_ns).open);
   EXPECT_FALSE(table_.Command(kNow_ns, kNow_ns - 51 * kMs_ns).open);
   EXPECT_TRUE(table_.Command(kNow_ns, kNow_ns).open);
@@ -125,14 +125,14 @@ TEST_F(ForceClientsTest, ForceIsSuspendedAfter50MillisecondsWithoutHeartbeat) {
 TEST_F(ForceClientsTest, LateMessageIsShortenedByItsDelay) {
   Claim(1);
   table_.SetOwner(1);
-  table_.Take(1, Push(kNow_ns - 30 * kMs_ns, 40 * kMs_ns), kNow_ns);
+  table_.Handle(1, Push(kNow_ns - 30 * kMs_ns, 40 * kMs_ns), kNow_ns);
   EXPECT_EQ(table_.Command(kNow_ns, kNow_ns).force_end_ns, kNow_ns + 10 * kMs_ns);
-  table_.Take(1, Push(kNow_ns + 1'000'000 * kMs_ns, 40 * kMs_ns), kNow_ns);
+  table_.Handle(1, Push(kNow_ns + 1'000'000 * kMs_ns, 40 * kMs_ns), kNow_ns);
   EXPECT_EQ(table_.Command(kNow_ns, kNow_ns).force_end_ns, kNow_ns + 40 * kMs_ns)
       << "a time in the future counts as now";
-  table_.Take(1, Push(std::numeric_limits<std::int64_t>::min(), 40 * kMs_ns), kNow_ns);
+  table_.Handle(1, Push(std::numeric_limits<std::int64_t>::min(), 40 * kMs_ns), kNow_ns);
   EXPECT_LT(table_.Command(kNow_ns, kNow_ns).force_end_ns, kNow_ns);
-  table_.Take(1, Push(), kNow_ns);
+  table_.Handle(1, Push(), kNow_ns);
   EXPECT_LT(table_.Command(kNow_ns + 100 * kMs_ns, kNow_ns).force_end_ns, kNow_ns) << "by the service's own clock";
 }
 

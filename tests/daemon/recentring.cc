@@ -21,8 +21,8 @@ alignment::Rigid PoseOf(const protocol::WirePose& pose) {
 // An alignment in LOCAL is stored, and client 1 has requested it.
 struct AlignedInLocal {
   AlignedInLocal() {
-    EXPECT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
-    placements.Ask(1, Request({kSpaceLocal}));
+    EXPECT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok);
+    placements.Request(1, Request({kSpaceLocal}));
   }
   const TempFolder temp;
   BasePoses placements{temp.Path("a.toml")};
@@ -36,8 +36,8 @@ TEST(DaemonRecentring, RecentringReportedByManyClientsIsAppliedOnce) {
     const TempFolder temp;
     const std::string path = temp.Path("a.toml");
     BasePoses placements(path);
-    ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
-    for (const ipc::ClientId id : {1, 2}) placements.Ask(id, Request({kSpaceLocal}));
+    ASSERT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok);
+    for (const ipc::ClientId id : {1, 2}) placements.Request(id, Request({kSpaceLocal}));
     Listener listener;
     listener.Listen(placements);
     const alignment::Rigid before = PoseOf(listener.reported[1].back().base_space);
@@ -53,7 +53,7 @@ TEST(DaemonRecentring, RecentringReportedByManyClientsIsAppliedOnce) {
     listener.Listen(placements);
     EXPECT_EQ(listener.reported[1].size(), 1U) << "they moved the base themselves";
     BasePoses again(path);
-    again.Ask(3, Request({kSpaceLocal}));
+    again.Request(3, Request({kSpaceLocal}));
     listener.Listen(again);
     const alignment::Rigid after = PoseOf(listener.reported[3].back().base_space);
     const alignment::Rigid in_previous = alignment::Compose(PoseOf(change.new_in_previous), after);
@@ -118,20 +118,20 @@ TEST(DaemonRecentring, RestoreReturnsTheMeasuredPose) {
   restore.action = protocol::BasePoseAction::kRestore;
   {
     BasePoses placements(path);
-    EXPECT_FALSE(placements.Do(restore, kDate_s).ok) << "there is none";
-    ASSERT_TRUE(placements.Do(Store(kSpaceLocal), kDate_s).ok);
-    EXPECT_FALSE(placements.Do(restore, kDate_s).ok) << "it has not moved";
-    placements.Ask(1, Request({kSpaceLocal}));
+    EXPECT_FALSE(placements.Execute(restore, kDate_s).ok) << "there is none";
+    ASSERT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok);
+    EXPECT_FALSE(placements.Execute(restore, kDate_s).ok) << "it has not moved";
+    placements.Request(1, Request({kSpaceLocal}));
     placements.Change(1, Moved(3, kNow_ns), kNow_ns);
     placements.Change(1, Moved(50, kNow_ns + 1'000'000'000), kNow_ns + 1'000'000'000);
     EXPECT_NEAR(placements.file().entries[0].position_space_m.x, -2.9, 1e-12);
     EXPECT_FALSE(placements.Aligned(1));
   }
   BasePoses placements(path);
-  placements.Ask(1, Request({kSpaceLocal}));
+  placements.Request(1, Request({kSpaceLocal}));
   Listener listener;
   listener.Listen(placements);
-  ASSERT_TRUE(placements.Do(restore, kDate_s).ok);
+  ASSERT_TRUE(placements.Execute(restore, kDate_s).ok);
   EXPECT_TRUE(placements.Aligned(1));
   listener.Listen(placements);
   EXPECT_EQ(listener.reported[1].back().base_space.position_m[0], 0.1) << "connected clients are notified";
@@ -148,20 +148,20 @@ TEST(DaemonRecentring, ChangeToAnUnknownOriginMakesTheAlignmentDoubtful) {
   aligned.placements.Change(1, change, kNow_ns);
   EXPECT_FALSE(aligned.placements.Aligned(1));
   BasePoses again(aligned.temp.Path("a.toml"));
-  again.Ask(2, Request({kSpaceLocal}));
+  again.Request(2, Request({kSpaceLocal}));
   Listener listener;
   listener.Listen(again);
   EXPECT_EQ(listener.reported[2].back().known, 1U);
   EXPECT_EQ(listener.reported[2].back().doubtful, 1U);
-  ASSERT_TRUE(again.Do(Store(kSpaceLocal), kDate_s).ok);
+  ASSERT_TRUE(again.Execute(Store(kSpaceLocal), kDate_s).ok);
   EXPECT_TRUE(again.Aligned(2)) << "measured again";
 }
 
 TEST(DaemonRecentring, IgnoresChangesOfOtherSpacesAndUnknownClients) {
   const TempFolder temp;
   BasePoses placements(temp.Path("a.toml"));
-  ASSERT_TRUE(placements.Do(Store(kSpaceStage), kDate_s).ok);
-  placements.Ask(1, Request({kSpaceStage, kSpaceLocal}));
+  ASSERT_TRUE(placements.Execute(Store(kSpaceStage), kDate_s).ok);
+  placements.Request(1, Request({kSpaceStage, kSpaceLocal}));
   protocol::SpaceChange change;
   change.pose_valid = 1;
   change.changes_at_ns = 1;

@@ -132,7 +132,7 @@ void ExpectSane(const base::HallScan& scan) {
 // As omnid logs them: one line of printable characters.
 std::size_t PopNotes(UsbSession& session) {
   std::size_t count = 0;
-  for (BaseNote note; session.TakeNote(note); ++count) {
+  for (BaseNote note; session.PopNote(note); ++count) {
     const std::string text = note.type == wire::MessageType::kFault ? FaultEventText(note.fault)
                                                                     : PrintableText(note.log.text, note.log.size);
     EXPECT_LT(text.size(), 200U);

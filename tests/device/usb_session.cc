@@ -256,7 +256,7 @@ TEST_F(UsbSessionTest, RepeatsOnlyZeroCurrentAndForLimitedTime) {
 // Including those before Begin: a base reports faults as soon as it starts.
 TEST_F(UsbSessionTest, QueuesFaultAndLogFramesAsNotes) {
   BaseNote note;
-  EXPECT_FALSE(session_.TakeNote(note));
+  EXPECT_FALSE(session_.PopNote(note));
   wire::Log line;
   line.level = wire::LogLevel::kWarning;
   line.size = 5;
@@ -266,14 +266,14 @@ TEST_F(UsbSessionTest, QueuesFaultAndLogFramesAsNotes) {
   Begin();
   link_.Give(base_.Frame(FakeBase::KeptFault()));
   Live(3);
-  ASSERT_TRUE(session_.TakeNote(note));
+  ASSERT_TRUE(session_.PopNote(note));
   EXPECT_EQ(note.type, wire::MessageType::kLog);
   EXPECT_EQ(PrintableText(note.log.text, note.log.size), "hello");
-  ASSERT_TRUE(session_.TakeNote(note));
+  ASSERT_TRUE(session_.PopNote(note));
   EXPECT_EQ(note.type, wire::MessageType::kFault);
   EXPECT_EQ(note.fault.part, 2);
   EXPECT_EQ(note.lost_before, 0U);
-  EXPECT_FALSE(session_.TakeNote(note));
+  EXPECT_FALSE(session_.PopNote(note));
   EXPECT_EQ(session_.counters().bad_frames, 0U);
 }
 
@@ -282,10 +282,10 @@ TEST_F(UsbSessionTest, CountsNotesLostToAFullQueue) {
   constexpr std::size_t kMore = 7;
   for (std::size_t i = 0; i < BaseNotes::kCapacity + kMore; ++i) link_.Give(base_.Frame(FakeBase::KeptFault()));
   BaseNote note;
-  for (std::size_t i = 0; i < BaseNotes::kCapacity; ++i) ASSERT_TRUE(session_.TakeNote(note)) << i;
-  EXPECT_FALSE(session_.TakeNote(note));
+  for (std::size_t i = 0; i < BaseNotes::kCapacity; ++i) ASSERT_TRUE(session_.PopNote(note)) << i;
+  EXPECT_FALSE(session_.PopNote(note));
   link_.Give(base_.Frame(FakeBase::KeptFault()));
-  ASSERT_TRUE(session_.TakeNote(note));
+  ASSERT_TRUE(session_.PopNote(note));
   EXPECT_EQ(note.lost_before, kMore);
 }
 
@@ -300,7 +300,7 @@ TEST_F(UsbSessionTest, MalformedLogIsABadFrame) {
   frame.resize(wire::SealFrame(header, wire::PayloadSize<wire::Log>(), frame.data(), frame.size()).size);
   link_.Give(frame);
   BaseNote note;
-  EXPECT_FALSE(session_.TakeNote(note));
+  EXPECT_FALSE(session_.PopNote(note));
   EXPECT_EQ(session_.counters().bad_frames, 1U);
 }
 

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/whole_file.h"
+#include "service/tools/common/files.h"
 #include "service/tools/scene/scene_edit.h"
 #include "service/tools/status/status_text.h"
 #include "tests/support/process/temp_folder.h"

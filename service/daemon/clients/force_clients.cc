@@ -74,7 +74,7 @@ void ForceClients::EndAll() {
   command_.constraint_count = 0;
 }
 
-bool ForceClients::Take(ipc::ClientId id, const protocol::ForceRequest& request, std::int64_t now_ns) {
+bool ForceClients::Handle(ipc::ClientId id, const protocol::ForceRequest& request, std::int64_t now_ns) {
   const auto found = clients_.find(id);
   if (found == clients_.end()) return false;
   if (const auto* claim = std::get_if<protocol::ForceClaim>(&request)) {

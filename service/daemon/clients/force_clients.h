@@ -30,7 +30,7 @@ class ForceClients {
   void SetOwner(ipc::ClientId owner);
 
   // False: the client is not active now, and nothing has changed.
-  bool Take(ipc::ClientId id, const protocol::ForceRequest& request, std::int64_t now_ns);
+  bool Handle(ipc::ClientId id, const protocol::ForceRequest& request, std::int64_t now_ns);
 
   // For the tick. `last_beat_ns`: of the owner.
   haptics::AppliedCommand Command(std::int64_t now_ns, std::int64_t last_beat_ns) const;

@@ -153,7 +153,7 @@ void DeviceKeeper::LogFaults() {
   device::Transport& transport = *session_->opened.transport;
   const device::TransportState state = transport.state();
   device::BaseNote note;
-  for (std::size_t i = 0; i < device::BaseNotes::kCapacity && transport.TakeNote(note); ++i) {
+  for (std::size_t i = 0; i < device::BaseNotes::kCapacity && transport.PopNote(note); ++i) {
     session_->faults.Hear(note, base::MonotonicNow_ns());
   }
   for (const FaultLine& line : session_->faults.News(state)) {

@@ -148,7 +148,7 @@ bool AppScenes::SetMaterial(ipc::ClientId id, const protocol::HapticMaterial& ma
   return true;
 }
 
-std::shared_ptr<const BuiltScene> AppScenes::Take(BuiltScene built) {
+std::shared_ptr<const BuiltScene> AppScenes::Accept(BuiltScene built) {
   const auto found = scenes_.find(ClientOf(built.client));
   if (found == scenes_.end()) return nullptr;
   AppScene& scene = found->second;

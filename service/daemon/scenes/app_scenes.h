@@ -46,7 +46,7 @@ class AppScenes {
 
   // Handles a result of the builder for one of these jobs. The scene that is active from now on, for the log and for
   // sculpting; null: there is none, see built.error.
-  std::shared_ptr<const BuiltScene> Take(BuiltScene built);
+  std::shared_ptr<const BuiltScene> Accept(BuiltScene built);
 
   // It has been ready once: from then on the client's scene from apps.d is not used.
   bool Stands(ipc::ClientId id) const;

@@ -23,7 +23,7 @@ std::uint32_t SurfaceFlagsOf(const haptics::ChangingObject& object) {
 SurfacePoller::SurfacePoller(SurfaceSource source)
     : source_(std::move(source)), snapshot_(std::make_unique<loop::SurfaceSnapshot>()) {}
 
-bool SurfacePoller::Look(std::int64_t now_ns) {
+bool SurfacePoller::Poll(std::int64_t now_ns) {
   if (!problem_.empty()) return false;
   TakeSnapshot();
   if (const auto changing = haptics::ChangingObjects(*source_.scene); changing != changing_) Begin(changing);
@@ -148,7 +148,7 @@ void SurfacePoller::Publish(std::size_t index) {
   shown.new_vertices = shown.new_triangles = shown.new_pose = false;
 }
 
-SurfaceThread::SurfaceThread(SurfaceSource source) : looker_(std::move(source)), thread_([this] { Run(); }) {}
+SurfaceThread::SurfaceThread(SurfaceSource source) : poller_(std::move(source)), thread_([this] { Run(); }) {}
 
 SurfaceThread::~SurfaceThread() {
   RequestStop();
@@ -181,13 +181,13 @@ void SurfaceThread::Run() {
     bool goes_on = false;
     std::string problem;
     try {
-      goes_on = looker_.Look(base::MonotonicNow_ns());
-      problem = looker_.problem();
+      goes_on = poller_.Poll(base::MonotonicNow_ns());
+      problem = poller_.problem();
     } catch (const std::exception& caught) {  // out of memory: drawing ends, the service goes on
       problem = std::string("surfaces to draw: ") + caught.what();
     }
     lock.lock();
-    memory_ = goes_on ? looker_.memory() : nullptr;
+    memory_ = goes_on ? poller_.memory() : nullptr;
     problem_ = problem;
     if (!goes_on) break;
     // Polls that were missed are not made up for.

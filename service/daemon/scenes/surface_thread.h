@@ -37,7 +37,7 @@ class SurfacePoller {
   explicit SurfacePoller(SurfaceSource source);
 
   // False: the surfaces cannot be published, problem() says why; further polls do nothing.
-  bool Look(std::int64_t now_ns);
+  bool Poll(std::int64_t now_ns);
   // The memory being written; replaced by Look when it was outgrown or when more objects change. Null before the first
   // poll, and after a problem.
   const std::shared_ptr<ipc::SurfacePublisher>& memory() const noexcept { return memory_; }
@@ -92,7 +92,7 @@ class SurfaceThread {
  private:
   void Run();
 
-  SurfacePoller looker_;
+  SurfacePoller poller_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false;

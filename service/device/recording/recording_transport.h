@@ -19,7 +19,7 @@ class RecordingTransport final : public Transport {
   const TransportInfo& info() const noexcept override { return inner_->info(); }
   TransportCounters counters() const noexcept override { return inner_->counters(); }
   TransportState state() const noexcept override { return inner_->state(); }
-  bool TakeNote(BaseNote& note) noexcept override { return inner_->TakeNote(note); }
+  bool PopNote(BaseNote& note) noexcept override { return inner_->PopNote(note); }
   // Call its Close() after the last Read and Write.
   DeviceRecorder& recorder() noexcept { return *recorder_; }
 

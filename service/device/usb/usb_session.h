@@ -3,7 +3,7 @@
 //
 // Two threads meet here and never wait for each other. The link's thread calls the UsbHandler functions; the caller's
 // (the tick) calls Read and Write. The newest scan and the newest command are passed through a base::Latest each.
-// FAULT and LOG frames wait in a ring for the thread that logs them (TakeNote).
+// FAULT and LOG frames wait in a ring for the thread that logs them (PopNote).
 #pragma once
 
 #include <atomic>
@@ -46,7 +46,7 @@ class UsbSession final : public UsbHandler {
   bool Write(const base::CoilCurrents& currents) noexcept;
   TransportCounters counters() const noexcept;
   TransportState state() const noexcept;
-  bool TakeNote(BaseNote& note) noexcept { return notes_.Take(note); }
+  bool PopNote(BaseNote& note) noexcept { return notes_.Pop(note); }
 
   void OnFrame(const std::uint8_t* data, std::size_t size, std::int64_t t_ns) noexcept override;
   std::size_t NextFrame(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept override;

@@ -19,7 +19,7 @@ class UsbTransport final : public Transport {
   const TransportInfo& info() const noexcept override { return info_; }
   TransportCounters counters() const noexcept override { return session_->counters(); }
   TransportState state() const noexcept override { return session_->state(); }
-  bool TakeNote(BaseNote& note) noexcept override { return session_->TakeNote(note); }
+  bool PopNote(BaseNote& note) noexcept override { return session_->PopNote(note); }
 
  private:
   TransportInfo info_;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "service/haptics/sculpt/stroke_message.h"
+#include "service/haptics/sculpt/stroke.h"
 
 namespace omni::haptics::sculpt {
 

@@ -59,7 +59,7 @@ class SpawnedTwin final : public device::Transport {
   bool Write(const base::CoilCurrents& currents) noexcept override { return link_->Write(currents); }
   const device::TransportInfo& info() const noexcept override { return link_->info(); }
   device::TransportCounters counters() const noexcept override { return link_->counters(); }
-  bool TakeNote(device::BaseNote& note) noexcept override { return link_->TakeNote(note); }
+  bool PopNote(device::BaseNote& note) noexcept override { return link_->PopNote(note); }
 
  private:
   Child child_;  // declared first: destroyed last, after the socket is closed

@@ -8,7 +8,7 @@
 #include "service/alignment/rigid.h"
 #include "service/protocol/base_pose.h"
 #include "service/tools/common/json_text.h"
-#include "service/tools/common/printed.h"
+#include "service/tools/common/text_output.h"
 
 namespace omni::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/clock.h"
-#include "service/tools/common/json_file.h"
+#include "service/tools/common/files.h"
 
 namespace omni::tools {
 namespace {

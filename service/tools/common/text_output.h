@@ -1,6 +1,8 @@
-// Text output and files of subcommands.
+// Text of subcommands, for people.
 #pragma once
 
+#include <cstdarg>
+#include <cstdio>
 #include <string>
 
 namespace omni::tools {
@@ -8,7 +10,14 @@ namespace omni::tools {
 // To stdout, as wide as the terminal. Not for JSON and tables.
 void Print(const std::string& text);
 
-// Empty: written. Else "PATH: cannot be written (REASON); check the folder".
-std::string WriteText(const std::string& path, const std::string& text);
+// printf into a string, for lines of tables. At most 255 characters; the rest is cut off.
+[[gnu::format(printf, 1, 2)]] inline std::string Printed(const char* format, ...) {
+  char text[256];
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof(text), format, arguments);
+  va_end(arguments);
+  return text;
+}
 
 }  // namespace omni::tools

@@ -5,7 +5,7 @@
 #include "firmware/wire/names.h"
 #include "firmware/wire/scaling.h"
 #include "service/device/base_notes.h"
-#include "service/tools/common/printed.h"
+#include "service/tools/common/text_output.h"
 
 namespace omni::tools {
 namespace {

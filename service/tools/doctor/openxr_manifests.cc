@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "service/base/files/read_file.h"
-#include "service/tools/common/json_file.h"
+#include "service/tools/common/files.h"
 
 namespace omni::tools {
 namespace {

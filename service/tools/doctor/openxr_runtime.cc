@@ -1,5 +1,5 @@
 // Is there an OpenXR runtime below the layer?
-#include "service/tools/common/json_file.h"
+#include "service/tools/common/files.h"
 #include "service/tools/doctor/openxr_manifests.h"
 
 namespace omni::tools {

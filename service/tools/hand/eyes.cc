@@ -27,7 +27,7 @@ Eyes::Eyes(const std::string& socket_path, const LookFor& look_for)
   if (look_for.soft) connection_.RequestSurfaces(true);
 }
 
-Perceived Eyes::Look(std::int64_t now_ns) {
+Perceived Eyes::Observe(std::int64_t now_ns) {
   connection_.Poll(now_ns);
   connection_.Beat();
   seen_.t_s = static_cast<double>(now_ns) * 1e-9;

@@ -21,7 +21,7 @@ class Eyes {
  public:
   Eyes(const std::string& socket_path, const LookFor& look_for);
 
-  Perceived Look(std::int64_t now_ns);
+  Perceived Observe(std::int64_t now_ns);
 
   bool connected() const noexcept { return connection_.connected(); }
   const std::string& problem() const noexcept { return connection_.last_error(); }

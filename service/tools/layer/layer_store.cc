@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/files/whole_file.h"
-#include "service/tools/common/json_file.h"
+#include "service/tools/common/files.h"
 #include "service/tools/doctor/library_check.h"
 
 namespace omni::tools {

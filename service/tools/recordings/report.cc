@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/tool_state.h"
-#include "service/tools/common/json_file.h"
+#include "service/tools/common/files.h"
 #include "service/tools/common/statistics.h"
 
 namespace omni::tools {

@@ -8,10 +8,10 @@
 
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
+#include "service/tools/common/files.h"
 #include "service/tools/common/json_text.h"
 #include "service/tools/common/service_link.h"
 #include "service/tools/common/text_output.h"
-#include "service/tools/common/whole_file.h"
 
 namespace omni::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "service/tools/common/json_text.h"
-#include "service/tools/common/printed.h"
+#include "service/tools/common/text_output.h"
 #include "service/tools/scene/race_text.h"
 
 namespace omni::tools {

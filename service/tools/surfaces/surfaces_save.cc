@@ -13,9 +13,9 @@
 #include "service/client/connection.h"
 #include "service/scene/glb_save.h"
 #include "service/tools/common/command_line.h"
+#include "service/tools/common/files.h"
 #include "service/tools/common/terminal.h"
 #include "service/tools/common/text_output.h"
-#include "service/tools/common/whole_file.h"
 
 namespace omni::tools {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "service/protocol/surfaces/surface_memory.h"
-#include "service/tools/common/printed.h"
+#include "service/tools/common/text_output.h"
 
 namespace omni::tools {
 namespace {

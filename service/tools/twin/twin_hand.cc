@@ -50,7 +50,7 @@ int LeadHand(const HandArguments& arguments, const Intent& intent) {
       std::snprintf(after, sizeof(after), " after %.0f s", arguments.patience_s);
       return Fail(kHandCommand, intent.task->Account() + after);
     }
-    const Perceived seen = eyes.Look(base::MonotonicNow_ns());
+    const Perceived seen = eyes.Observe(base::MonotonicNow_ns());
     if (was_connected && !eyes.connected())
       return Fail(kHandCommand, "lost the connection to omnid: " + intent.task->Account());
     was_connected = eyes.connected();

@@ -2,7 +2,7 @@
 #include <filesystem>
 
 #include "service/config/paths.h"
-#include "service/tools/common/json_file.h"
+#include "service/tools/common/files.h"
 #include "service/tools/common/row_table.h"
 #include "service/tools/scene/scene_source.h"
 #include "tests/bench/haptics/scene_files.h"

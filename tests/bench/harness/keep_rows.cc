@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "service/tools/common/command_line.h"
+#include "service/tools/common/files.h"
 #include "service/tools/common/row_table.h"
-#include "service/tools/common/text_output.h"
 #include "tests/bench/harness/commands.h"
 
 namespace omni::bench {

@@ -15,9 +15,8 @@
 #include <nlohmann/json.hpp>
 
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/json_file.h"
+#include "service/tools/common/files.h"
 #include "service/tools/common/row_table.h"
-#include "service/tools/common/whole_file.h"
 #include "tests/bench/harness/commands.h"
 
 namespace omni::bench {

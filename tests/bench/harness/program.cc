@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "service/tools/common/json_file.h"
+#include "service/tools/common/files.h"
 #include "service/tools/common/row_table.h"
 #include "tests/bench/printed_rows.h"
 #include "tests/support/process/child_process.h"

@@ -37,7 +37,7 @@ struct Peak {
   double peak_C = -1e9;
   double peak_s = 0;
   double end_C = 0;
-  void Take(double value_C, double t_s) {
+  void Add(double value_C, double t_s) {
     end_C = value_C;
     if (value_C <= peak_C) return;
     peak_C = value_C;
@@ -86,10 +86,10 @@ Both Simulate(const base::DeviceGeometry& device, const Run& run) {
     coils.Set(wanted_A);
     coils.Heat(kStep_s);
     const double end_s = t_s + kStep_s;
-    both.twin.body.Take(coils.body_C(), end_s);
-    both.twin.copper.Take(*std::max_element(coils.temperature_C().begin(), coils.temperature_C().end()), end_s);
-    both.host.body.Take(host.heat.body_C, end_s);
-    both.host.copper.Take(*std::max_element(host.heat.copper_C.begin(), host.heat.copper_C.end()), end_s);
+    both.twin.body.Add(coils.body_C(), end_s);
+    both.twin.copper.Add(*std::max_element(coils.temperature_C().begin(), coils.temperature_C().end()), end_s);
+    both.host.body.Add(host.heat.body_C, end_s);
+    both.host.copper.Add(*std::max_element(host.heat.copper_C.begin(), host.heat.copper_C.end()), end_s);
   }
   both.twin.current_min_A = both.host.current_min_A;
   both.twin.current_step_A = both.host.current_step_A;

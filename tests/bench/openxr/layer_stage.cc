@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/tools/common/json_file.h"
+#include "service/tools/common/files.h"
 #include "service/tools/common/row_table.h"
 #include "service/tools/scene/scene_source.h"
 
