@@ -59,8 +59,7 @@ bool IsPlausible(const base::PointNoise& noise) noexcept {
 }
 
 // In contact only down; in the air towards the limit.
-void Follow(double limit_N_m, bool known, bool touching, double dt_s, double& recent_N_m,
-            double& bound_N_m) noexcept {
+void Follow(double limit_N_m, bool known, bool touching, double dt_s, double& recent_N_m, double& bound_N_m) noexcept {
   recent_N_m = known && limit_N_m > 0 ? Approach(recent_N_m, limit_N_m, dt_s, kLimitTime_s) : limit_N_m;
   if (!known || recent_N_m < bound_N_m) {
     bound_N_m = recent_N_m;

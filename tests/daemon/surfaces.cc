@@ -61,9 +61,9 @@ class Drawing {
                 .memory_generation = &generation}) {
     snapshot.scene_generation = 4;
   }
-  SurfaceRead Look(std::size_t index) {
+  SurfaceRead Poll(std::size_t index) {
     ++snapshot.t_ns;
-    EXPECT_TRUE(looker.Look(snapshot.t_ns)) << looker.problem();
+    EXPECT_TRUE(looker.Poll(snapshot.t_ns)) << looker.problem();
     if (looker.memory() == nullptr) return SurfaceRead::kNothing;
     if (reader == nullptr || reader->memory_generation() != looker.memory()->id().memory_generation) {
       reader = SurfaceReader::Map(base::UniqueFd(::dup(looker.memory()->fd())), looker.memory()->bytes()).value();
@@ -92,33 +92,33 @@ TEST(SurfacePoller, SurfaceAtRestGetsATimeOnceTheTickRuns) {
     }
     Drawing drawing(std::move(scene));
     drawing.there = false;
-    EXPECT_EQ(drawing.Look(0), SurfaceRead::kTriangles);
+    EXPECT_EQ(drawing.Poll(0), SurfaceRead::kTriangles);
     EXPECT_EQ(drawing.copy.frame.t_ns, 0);
     drawing.there = true;
-    EXPECT_EQ(drawing.Look(0), SurfaceRead::kPose) << sculpted;
+    EXPECT_EQ(drawing.Poll(0), SurfaceRead::kPose) << sculpted;
     EXPECT_GT(drawing.copy.frame.t_ns, 0);
-    EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged) << "and then rests";
+    EXPECT_EQ(drawing.Poll(0), SurfaceRead::kUnchanged) << "and then rests";
   }
 }
 
 TEST(SurfacePoller, PublishesExtrudedFacesWhenTheyMove) {
   Drawing drawing(haptics::Built(ExtrudableInput()));
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kTriangles);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kTriangles);
   EXPECT_EQ(drawing.reader->object_count(), 1U);
   EXPECT_EQ(drawing.reader->object(0).flags, protocol::kSurfaceExtruded);
   EXPECT_EQ(drawing.reader->scene_generation(), 4U);
   EXPECT_EQ(drawing.copy.frame.largest_displacement_m, 0);
   EXPECT_EQ(drawing.copy.vertices_base_m.size(), drawing.scene->vertices().size());
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged) << "nothing moved";
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kUnchanged) << "nothing moved";
   drawing.snapshot.regions[0].offset_m = 0.003;
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kVertices);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kVertices);
   EXPECT_NEAR(drawing.copy.frame.largest_displacement_m, 0.003, 1e-12);
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kUnchanged);
   drawing.snapshot.scene_generation = 5;  // the tick is elsewhere already
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kVertices);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kVertices);
   EXPECT_EQ(drawing.copy.frame.largest_displacement_m, 0);
   drawing.there = false;
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kUnchanged);
   EXPECT_EQ(drawing.generation, 1U) << "one memory for all of it";
 }
 
@@ -126,14 +126,14 @@ TEST(SurfacePoller, PublishesPosesOfMovedObjects) {
   haptics::SceneInput input = haptics::SceneOf(haptics::SoftBallMesh());
   input.objects[0].kinematic = true;
   Drawing drawing(haptics::Built(input));
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kPose);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kPose);
   EXPECT_EQ(drawing.reader->object(0).vertex_capacity, 0U) << "the application has the shape";
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kUnchanged);
   drawing.snapshot.moved[3] = {.object = 0, .rotation = {.w = 0, .z = 1}, .translation_m = {0.01, 0, 0}};
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kPose);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kPose);
   EXPECT_EQ(drawing.copy.frame.translation_m[0], 0.01);
   EXPECT_EQ(drawing.copy.frame.rotation_wxyz[3], 1);
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kUnchanged);
 }
 
 TEST(SurfacePoller, SoftBodyThatBecomesReadyAppearsInANewMemory) {
@@ -141,7 +141,7 @@ TEST(SurfacePoller, SoftBodyThatBecomesReadyAppearsInANewMemory) {
   const auto live = std::make_shared<haptics::LiveParts>();
   scene.SetLive(live);
   Drawing drawing(std::move(scene));
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kNothing) << "no memory while there is nothing to draw";
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kNothing) << "no memory while there is nothing to draw";
   const haptics::RestObject rest = haptics::RestOf(*drawing.scene, 0);
   std::vector<haptics::DrawnTriangle> triangles;
   haptics::DrawnTriangles(*drawing.scene, 0, triangles);
@@ -149,7 +149,7 @@ TEST(SurfacePoller, SoftBodyThatBecomesReadyAppearsInANewMemory) {
   auto body = haptics::BuildSoftBody(rest.vertices_base_m, triangles, haptics::SmallOptions(), report);
   ASSERT_TRUE(body.ok());
   live->SetSoftBody(0, std::make_unique<const haptics::SoftBody>(std::move(*body)));
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kTriangles);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kTriangles);
   EXPECT_EQ(drawing.copy.triangles, triangles);
 
   drawing.snapshot.soft[0].object = 0;
@@ -158,12 +158,12 @@ TEST(SurfacePoller, SoftBodyThatBecomesReadyAppearsInANewMemory) {
   for (int tick = 0; tick < 50; ++tick) {
     (void)StepSoftContact(live->soft_body(0)->view(), contact, haptics::kTip_m, 1e-3, drawing.snapshot.soft[0].body);
   }
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kVertices);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kVertices);
   EXPECT_GT(drawing.copy.frame.largest_displacement_m, 1e-4);
   drawing.snapshot.soft[0].object = haptics::kNoIndex;
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kVertices) << "back at rest, once";
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kVertices) << "back at rest, once";
   EXPECT_EQ(drawing.copy.frame.largest_displacement_m, 0);
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kUnchanged);
 }
 
 TEST(SurfacePoller, SculptedSurfaceThatOutgrowsItsMemoryGetsANewOne) {
@@ -177,16 +177,16 @@ TEST(SurfacePoller, SculptedSurfaceThatOutgrowsItsMemoryGetsANewOne) {
   scene.SetLive(live);
   SculptSession& sculpt_session = live->sculpt_session_at(0);
   Drawing drawing(std::move(scene));
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kTriangles);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kTriangles);
   EXPECT_EQ(drawing.copy.triangles.size(), sculpt_session.editor().mesh().triangle_count());
-  EXPECT_EQ(drawing.Look(0), SurfaceRead::kUnchanged);
+  EXPECT_EQ(drawing.Poll(0), SurfaceRead::kUnchanged);
   haptics::Random random(3);
   Brush brush;
   brush.radius_m = 0.006;
   for (int k = 0; k < 200 && drawing.generation == 1; ++k) {
     ASSERT_TRUE(sculpt_session.editor().Stroke(On(sculpt_session.editor(), random.InBox(0.05)), brush, 0.0005).ok());
     sculpt_session.editor().Publish();
-    EXPECT_EQ(drawing.Look(0), SurfaceRead::kTriangles);
+    EXPECT_EQ(drawing.Poll(0), SurfaceRead::kTriangles);
     ASSERT_EQ(drawing.copy.triangles.size(), sculpt_session.editor().mesh().triangle_count());
     ASSERT_EQ(drawing.copy.vertices_base_m.size(), sculpt_session.editor().mesh().vertex_count());
   }

@@ -57,7 +57,7 @@ TEST(SceneBadInput, RejectsDeepDuplicateAndIncompleteJson) {
   const std::string deep = R"({"asset":{"version":"2.0"},"x":)" + std::string(1'000'000, '[');
   ExpectRefused(Load(folder.Write("deep.gltf", deep)), "nested deeper than 128");
   ExpectRefused(Load(folder.Write("twice.gltf", R"({"asset":{"version":"2.0"},"nodes":[],"nodes":[]})")),
-                "\"nodes\" is there twice");
+                "\"nodes\" appears twice");
   ExpectRefused(Load(folder.Write("list.gltf", "[{}]")), "neither binary glTF");
   ExpectRefused(Load(folder.Write("old.gltf", R"({"asset":{"version":"1.0"}})")), "/asset/version");
   ExpectRefused(Load(folder.Write("bare.gltf", "{}")), "/asset");

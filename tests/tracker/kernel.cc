@@ -23,8 +23,8 @@ struct Scene : support::KernelScene<Real> {
 
   KernelSums Sums(const Kernel& kernel, const KernelTask& task) const {
     KernelSums sums{};
-    In<Real>(kernel).sum(places.data(), blocks.data(), static_cast<int>(blocks.size()), tool, pose, task, nullptr,
-                         sums);
+    In<Real>(kernel).sum(this->places.data(), this->blocks.data(), static_cast<int>(this->blocks.size()), this->tool,
+                         this->pose, task, nullptr, sums);
     return sums;
   }
 };

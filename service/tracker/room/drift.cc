@@ -262,7 +262,8 @@ std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept {
 }
 
 // x <- phi x (but the ambient field stays where it is), P <- phi P phi + (1 - phi^2) P0 with phi = exp(-dt / tau)
-// [Ornstein & Uhlenbeck 1930]; the covariance of changes grows as P does, but slower where one pose carries little information.
+// [Ornstein & Uhlenbeck 1930]; the covariance of changes grows as P does, but slower where one pose carries little
+// information.
 void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
                   const PenPlace* pen, DriftState& drift) noexcept {
   dt_s = std::max(dt_s, 0.0);

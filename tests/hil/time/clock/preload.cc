@@ -1,9 +1,10 @@
 // Preloaded into an unmodified program: CLOCK_MONOTONIC becomes the time of a shared page, and timed waits
 // end in that time. Without the environment variable OMNI_HIL_CLOCK nothing changes.
 //
-// The time stands still between two steps of its master, which advances it when all threads sleep (tests/hil/time/idle_watch.h):
-// computation takes no time. Replaced are the waits of omnid, libusb, the OpenXR loader and test applications: sleeps,
-// poll, epoll, sigtimedwait, condition variables, timerfd. CLOCK_REALTIME and processor times stay real.
+// The time stands still between two steps of its master, which advances it when all threads sleep
+// (tests/hil/time/idle_watch.h): computation takes no time. Replaced are the waits of omnid, libusb, the OpenXR loader
+// and test applications: sleeps, poll, epoll, sigtimedwait, condition variables, timerfd. CLOCK_REALTIME and processor
+// times stay real.
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
