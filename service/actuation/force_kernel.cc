@@ -6,8 +6,6 @@ ForceKernel ForceKernelOf(ForceKernelLevel level) noexcept {
 #if defined(__x86_64__)
   __builtin_cpu_init();
   switch (level) {
-    case ForceKernelLevel::kAvx512:
-      return __builtin_cpu_supports("avx512f") ? ForceKernelAvx512 : nullptr;
     case ForceKernelLevel::kAvx2:
       return __builtin_cpu_supports("avx2") ? ForceKernelAvx2 : nullptr;
     case ForceKernelLevel::kBaseline:

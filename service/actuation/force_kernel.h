@@ -1,12 +1,13 @@
 // The arithmetic of the force map: plain numbers in, plain numbers out. One variant per instruction set, each in a file
-// of its own that includes nothing but this header, so that no inline function of a library is compiled twice.
+// of its own that includes nothing but this header and service/base/lanes.h, so that no inline function of a library is
+// compiled twice.
 // All variants give the same bits: no contraction, sums over the points in a fixed order.
 #pragma once
 
 namespace omni::actuation {
 
 inline constexpr int kForceOrders = 7;  // odd orders 1, 3, ..., 13 of each coil
-inline constexpr int kForcePoints = 8;  // lanes: two AVX2 vectors, one of AVX-512
+inline constexpr int kForcePoints = 8;  // lanes: two AVX2 vectors
 inline constexpr int kForceCoils = 3;
 
 // Prepared once. Points with moment 0 are unused.
@@ -39,10 +40,9 @@ using ForceKernel = void (*)(const ForceTables& tables, const ForcePose& pose, F
 
 void ForceKernelBaseline(const ForceTables& tables, const ForcePose& pose, ForceSums& sums) noexcept;
 void ForceKernelAvx2(const ForceTables& tables, const ForcePose& pose, ForceSums& sums) noexcept;
-void ForceKernelAvx512(const ForceTables& tables, const ForcePose& pose, ForceSums& sums) noexcept;
 
-enum class ForceKernelLevel : unsigned char { kBaseline, kAvx2, kAvx512 };
-inline constexpr int kForceKernelLevels = 3;
+enum class ForceKernelLevel : unsigned char { kBaseline, kAvx2 };
+inline constexpr int kForceKernelLevels = 2;
 
 // Null when this processor cannot run it.
 ForceKernel ForceKernelOf(ForceKernelLevel level) noexcept;

@@ -1,23 +1,20 @@
-// Body of the kernel, included once per instruction set with OMNI_FORCE_LANES and OMNI_FORCE_KERNEL defined.
+// Body of the kernel, included once per instruction set with OMNI_LANE_BYTES and OMNI_FORCE_KERNEL defined.
 // Lanes are points of the magnet. Formulas: docs/theory/actuation.md (2), (3), (5), (9); magnetics.md (4) - (6), (10).
-#if !defined(OMNI_FORCE_LANES) || !defined(OMNI_FORCE_KERNEL)
+#if !defined(OMNI_LANE_BYTES) || !defined(OMNI_FORCE_KERNEL)
 #error "included by force_kernel_*.cc only"
 #endif
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
 #include "service/actuation/force_kernel.h"
+#include "service/base/lanes.h"
 
 namespace omni::actuation {
 namespace {
 
-constexpr int kLanes = OMNI_FORCE_LANES;
+constexpr int kLanes = base::kRegisterLanes<double>;
 constexpr int kBlocks = kForcePoints / kLanes;
 constexpr double kMu0Over4Pi = 1e-7;
 
-using V = double __attribute__((vector_size(kLanes * sizeof(double))));
+using V = base::Lanes<double, kLanes>;
 
 struct V3 {
   V x, y, z;
@@ -25,24 +22,16 @@ struct V3 {
 
 inline V Load(const double* from) noexcept {
   V v;
-  __builtin_memcpy(&v, from, sizeof(v));
+  base::LoadLanes(from, v);
   return v;
 }
 
-inline void Store(const V& v, double* to) noexcept { __builtin_memcpy(to, &v, sizeof(v)); }
+inline void Store(const V& v, double* to) noexcept { base::StoreLanes(v, to); }
 
 inline V Sqrt(const V& v) noexcept {
-#if defined(__x86_64__) && OMNI_FORCE_LANES == 8
-  return _mm512_maskz_sqrt_pd(0xff, v);  // gcc 12 warns of its own _mm512_sqrt_pd
-#elif defined(__x86_64__) && OMNI_FORCE_LANES == 4
-  return _mm256_sqrt_pd(v);
-#elif defined(__x86_64__)
-  return _mm_sqrt_pd(v);
-#else
-  V root;
-  for (int i = 0; i < kLanes; ++i) root[i] = __builtin_sqrt(v[i]);
-  return root;
-#endif
+  V roots;
+  base::SqrtLanes<double, kLanes>(v, roots);
+  return roots;
 }
 
 inline V Dot(const V3& a, const V3& b) noexcept { return a.x * b.x + a.y * b.y + a.z * b.z; }

@@ -1,3 +1,4 @@
+#define OMNI_LANE_BYTES 16
 #include "service/sim/fields/charge_kernel.h"
 
 #include "service/sim/fields/charge_kernel_body.h"

@@ -1,4 +1,5 @@
 // Compiled with -mavx2 (CMakeLists.txt).
+#define OMNI_LANE_BYTES 32
 #include "service/sim/fields/charge_kernel.h"
 #include "service/sim/fields/charge_kernel_body.h"
 

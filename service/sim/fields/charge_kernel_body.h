@@ -1,33 +1,21 @@
 // The body of both kernels; each translation unit compiles it for its own instruction set.
 #pragma once
 
-#include <immintrin.h>
-
 #include <array>
 #include <cstddef>
-#include <cstring>
 
+#include "service/base/lanes.h"
 #include "service/sim/fields/charge_kernel.h"
 
 namespace omni::sim {
 namespace {
 
-using Lanes = double __attribute__((vector_size(32)));
+constexpr int kLanes = static_cast<int>(kChargeLanes);
+using Lanes = base::Lanes<double, kLanes>;
 
-// Results by reference: returned by value they would have another calling convention without AVX.
-inline void Load(const double* from, Lanes& lanes) noexcept { std::memcpy(&lanes, from, sizeof lanes); }
+inline void Load(const double* from, Lanes& lanes) noexcept { base::LoadLanes(from, lanes); }
 
-inline void SquareRoot(const Lanes& a, Lanes& root) noexcept {
-#ifdef __AVX__
-  const __m256d r = _mm256_sqrt_pd(_mm256_set_pd(a[3], a[2], a[1], a[0]));
-  std::memcpy(&root, &r, sizeof root);
-#else
-  const __m128d low = _mm_sqrt_pd(_mm_set_pd(a[1], a[0]));
-  const __m128d high = _mm_sqrt_pd(_mm_set_pd(a[3], a[2]));
-  std::memcpy(&root, &low, sizeof low);
-  std::memcpy(reinterpret_cast<char*>(&root) + sizeof low, &high, sizeof high);
-#endif
-}
+inline void SquareRoot(const Lanes& a, Lanes& root) noexcept { base::SqrtLanes<double, kLanes>(a, root); }
 
 inline double Total(const Lanes& a) noexcept { return (a[0] + a[1]) + (a[2] + a[3]); }
 
@@ -117,9 +105,9 @@ inline void FieldsOfZonal(const ZonalTerms& terms, const double* x, const double
     rx = radial * rx - along_u * axis[0];
     ry = radial * ry - along_u * axis[1];
     rz = radial * rz - along_u * axis[2];
-    std::memcpy(bx + i, &rx, sizeof rx);
-    std::memcpy(by + i, &ry, sizeof ry);
-    std::memcpy(bz + i, &rz, sizeof rz);
+    base::StoreLanes(rx, bx + i);
+    base::StoreLanes(ry, by + i);
+    base::StoreLanes(rz, bz + i);
   }
 }
 

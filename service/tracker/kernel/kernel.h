@@ -126,7 +126,7 @@ const Kernel& ActiveKernel() noexcept;
 
 // All that this processor runs, narrowest first.
 struct KernelList {
-  const Kernel* kernels[3];
+  const Kernel* kernels[2];
   int count;
 };
 KernelList RunnableKernels() noexcept;

@@ -1,5 +1,5 @@
 // Compiled for AVX2 without fused multiply-add.
-#define OMNI_KERNEL_BYTES 32
+#define OMNI_LANE_BYTES 32
 #include "service/tracker/kernel/kernel_body.h"
 #include "service/tracker/kernel/kernel_score.h"
 

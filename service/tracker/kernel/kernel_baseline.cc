@@ -1,5 +1,5 @@
 // What every x86-64 has: SSE2.
-#define OMNI_KERNEL_BYTES 16
+#define OMNI_LANE_BYTES 16
 #include "service/tracker/kernel/kernel_body.h"
 #include "service/tracker/kernel/kernel_score.h"
 

@@ -2,32 +2,18 @@
 // everything here is internal to the including file, nothing may be shared by the linker.
 #pragma once
 
-#include <immintrin.h>
-
-#include <cstring>
-
+#include "service/base/lanes.h"
 #include "service/tracker/kernel/kernel.h"
-
-#ifndef OMNI_KERNEL_BYTES
-#error "kernel_lanes.h is for the kernel files: define OMNI_KERNEL_BYTES, the vector width"
-#endif
 
 namespace omni::tracker {
 namespace {
 
 template <class Real>
-constexpr int kLanes = OMNI_KERNEL_BYTES / static_cast<int>(sizeof(Real)) < kBlockSensors
-                           ? OMNI_KERNEL_BYTES / static_cast<int>(sizeof(Real))
-                           : kBlockSensors;
+constexpr int kLanes = base::kRegisterLanes<Real>;
 template <class Real>
 constexpr int kGroups = kBlockSensors / kLanes<Real>;
-
 template <class Real>
-struct LaneType {
-  typedef Real Type __attribute__((vector_size(kLanes<Real> * sizeof(Real))));
-};
-template <class Real>
-using Lane = typename LaneType<Real>::Type;
+using Lane = base::Lanes<Real, kLanes<Real>>;
 
 template <class Real>
 struct Lane3 {
@@ -37,7 +23,7 @@ struct Lane3 {
 template <class Real>
 inline Lane<Real> Load(const Real* values) {
   Lane<Real> lane;
-  std::memcpy(&lane, values, sizeof lane);
+  base::LoadLanes(values, lane);
   return lane;
 }
 template <class Real>
@@ -46,21 +32,19 @@ inline Lane3<Real> Load3(const Real (*rows)[kBlockSensors], int first) {
 }
 template <class Real>
 inline void Store(const Lane<Real>& lane, Real* values) {
-  std::memcpy(values, &lane, sizeof lane);
+  base::StoreLanes(lane, values);
 }
 
-#if OMNI_KERNEL_BYTES == 16
-inline Lane<float> Sqrt(Lane<float> v) { return _mm_sqrt_ps(v); }
-inline Lane<double> Sqrt(Lane<double> v) { return _mm_sqrt_pd(v); }
-#else
-inline Lane<float> Sqrt(Lane<float> v) { return _mm256_sqrt_ps(v); }
-#if OMNI_KERNEL_BYTES == 32
-inline Lane<double> Sqrt(Lane<double> v) { return _mm256_sqrt_pd(v); }
-#else
-// Masked: the plain one reads an undefined register, of which GCC 12 warns.
-inline Lane<double> Sqrt(Lane<double> v) { return _mm512_maskz_sqrt_pd(0xff, v); }
-#endif
-#endif
+inline Lane<float> Sqrt(const Lane<float>& v) {
+  Lane<float> roots;
+  base::SqrtLanes<float, kLanes<float>>(v, roots);
+  return roots;
+}
+inline Lane<double> Sqrt(const Lane<double>& v) {
+  Lane<double> roots;
+  base::SqrtLanes<double, kLanes<double>>(v, roots);
+  return roots;
+}
 
 template <class Real>
 inline Lane<Real> Dot(const Lane3<Real>& a, const Lane3<Real>& b) {

@@ -109,7 +109,6 @@ base::Result<BenchRows> BenchKernels(const BenchOptions& options) {
   }
   TimeActuation(plan, actuation::ForceKernelLevel::kBaseline, "baseline");
   TimeActuation(plan, actuation::ForceKernelLevel::kAvx2, "avx2");
-  TimeActuation(plan, actuation::ForceKernelLevel::kAvx512, "avx512");
   TimeTwin(plan, sim::ChargeSumBaseline, "baseline");
   TimeTwin(plan, sim::FastestChargeSum(), "avx2");
   return rows;

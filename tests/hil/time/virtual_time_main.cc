@@ -1,6 +1,6 @@
 // omni_virtual_time PROGRAM ARGUMENTS...: the program, and all that it starts, in virtual time. Whenever all
-// threads sleep (tests/hil/time/idle_watch.h), time advances to the first timer: computation takes no time, however busy the
-// machine is, and a wait during which nothing happens ends at once. Exit status: the program's.
+// threads sleep (tests/hil/time/idle_watch.h), time advances to the first timer: computation takes no time, however
+// busy the machine is, and a wait during which nothing happens ends at once. Exit status: the program's.
 #include <sys/prctl.h>
 #include <unistd.h>
 
