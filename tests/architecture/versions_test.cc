@@ -1,4 +1,4 @@
-// docs/protocol/versions.md has the numbers that the sources have.
+// docs/protocol/versions.md names the constants of the sources; the changelog has the version of the build.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -22,15 +22,15 @@ std::string NumberOf(const std::string& constant, const std::string& text) {
   return std::regex_search(text, match, pattern) ? match[1].str() : std::string();
 }
 
-TEST(Versions, TableHasTheNumbersOfTheSources) {
-  const std::regex row(R"(^\| [^|]+ \| (\d+) \| `(\w+)` \| ([^ |]+) \|$)");
+TEST(Versions, TableNamesTheConstantsOfTheSources) {
+  const std::regex row(R"(^\| [^|]+ \| `(\w+)` \| ([^ |]+) \|$)");
   std::istringstream page(TextOf("docs/protocol/versions.md"));
   int rows = 0;
   for (std::string line; std::getline(page, line);) {
     std::smatch match;
     if (!std::regex_match(line, match, row)) continue;
     ++rows;
-    EXPECT_EQ(NumberOf(match[2], TextOf(match[3])), match[1].str()) << match[2] << " of " << match[3];
+    EXPECT_NE(NumberOf(match[1], TextOf(match[2])), "") << match[1] << " of " << match[2];
   }
   EXPECT_EQ(rows, 9);
 }
