@@ -9,13 +9,6 @@ namespace omni::tools {
 namespace {
 
 // One row per subcommand.
-struct CommandEntry {
-  void (*add)(Command& app);
-};
-constexpr CommandEntry kCommands[] = {{AddStatus}, {AddWatch},    {AddDoctor},    {AddScene},  {AddTwin},
-                                      {AddReport}, {AddTrack},    {AddCalibrate}, {AddDevice}, {AddRecord},
-                                      {AddReplay}, {AddSurfaces}, {AddLayer},     {AddAlign}};
-
 constexpr const char* kAbout = "omni: inspect and set up the Omni haptic base, its service and its scenes";
 
 // Commands that moved to omni-bench.
@@ -33,7 +26,9 @@ int RunCommandLine(int argc, const char* const* argv) {
   try {
     console::Program omni("omni", kAbout, OMNI_VERSION);
     omni.RequireCommand();
-    for (const CommandEntry& command : kCommands) command.add(omni);
+#define OMNI_ADD(name) Add##name(omni);
+    OMNI_COMMANDS(OMNI_ADD)
+#undef OMNI_ADD
     AddMoved(omni, "bench", "omni-bench");
     AddMoved(omni, "paper", "omni-bench paper");
     return omni.Parse(argc, argv).value_or(kExitOk);

@@ -1,29 +1,35 @@
-// The subcommands of omni. Each adds itself to its parent, with a function of its arguments that returns the exit
-// status.
+// The subcommands of omni, in the order of its help. Each adds itself to its parent, with a function of its arguments
+// that returns the exit status: void AddStatus(Command& app).
 #pragma once
 
 #include "service/console/command.h"
+
+#define OMNI_COMMANDS(COMMAND)                                  \
+  COMMAND(Status)                                               \
+  COMMAND(Watch)                                                \
+  COMMAND(Doctor)                                               \
+  COMMAND(Scene) /* explain, cost, cache; edits below */        \
+  COMMAND(Twin)  /* run, path; hand below */                    \
+  COMMAND(Report)                                               \
+  COMMAND(Track)                                                \
+  COMMAND(Calibrate)                                            \
+  COMMAND(Device) /* list, info, selftest, flash-help, estop */ \
+  COMMAND(Record)                                               \
+  COMMAND(Replay)                                               \
+  COMMAND(Surfaces)                                             \
+  COMMAND(Layer) /* enable, disable, status */                  \
+  COMMAND(Align)
 
 namespace omni::tools {
 
 using console::Command;
 using console::Option;
 
-void AddStatus(Command& app);
-void AddWatch(Command& app);
-void AddSurfaces(Command& app);
-void AddScene(Command& app);         // omni scene explain, cost, cache, and
+#define OMNI_DECLARE(name) void Add##name(Command& app);
+OMNI_COMMANDS(OMNI_DECLARE)
+#undef OMNI_DECLARE
+
 void AddSceneEdits(Command& scene);  // omni scene edits, undo, redo, save
-void AddDoctor(Command& app);
-void AddTwin(Command& app);       // omni twin run, path, and
-void AddTwinHand(Command& twin);  // omni twin hand
-void AddReport(Command& app);
-void AddTrack(Command& app);
-void AddCalibrate(Command& app);
-void AddAlign(Command& app);
-void AddDevice(Command& app);  // omni device list, info, selftest, flash-help, estop
-void AddRecord(Command& app);
-void AddReplay(Command& app);
-void AddLayer(Command& app);  // omni layer enable, disable, status
+void AddTwinHand(Command& twin);     // omni twin hand
 
 }  // namespace omni::tools
