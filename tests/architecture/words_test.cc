@@ -23,7 +23,7 @@ struct Retired {
   const char* example;
 };
 constexpr Retired kRetired[] = {
-    {"told", R"(\btold\b)", "notified, reported, received, sent", "the client is told"},
+    {"told", R"((\b|_)told(\b|_))", "notified, reported, received, sent", "the client is told"},
     {"tells", R"(\btells\b)", "reports, shows, returns", "what it tells of the pen"},
     {"anew", R"(\banew\b)", "again, from scratch", "it is built anew"},
     {"in vain", R"(\bin vain\b)", "without success", "tried in vain"},

@@ -31,7 +31,7 @@ class ForceClientsTest : public testing::Test {
                 .properties =
                     [this](ipc::ClientId id, const protocol::ForceProperties& properties) {
                       if (deaf_) return false;
-                      ++told_[id];
+                      ++reported_[id];
                       available_[id] = properties.available;
                       return true;
                     }}) {
@@ -59,7 +59,7 @@ class ForceClientsTest : public testing::Test {
   }
 
   std::map<ipc::ClientId, ForceStanding> standing_;
-  std::map<ipc::ClientId, int> told_;
+  std::map<ipc::ClientId, int> reported_;
   std::map<ipc::ClientId, std::uint32_t> available_;
   bool deaf_ = false;
   ForceClients table_;
@@ -144,7 +144,7 @@ TEST_F(ForceClientsTest, NotifiesEachClientOncePerChange) {
   EXPECT_TRUE(standing_.empty());
   deaf_ = false;
   for (int i = 0; i < 3; ++i) table_.Notify(properties);
-  EXPECT_EQ(told_[1], 1);
+  EXPECT_EQ(reported_[1], 1);
   EXPECT_EQ(available_[2], 1U);
   EXPECT_EQ(standing_[1], ForceStanding::kFree);
   Claim(1);
@@ -153,7 +153,7 @@ TEST_F(ForceClientsTest, NotifiesEachClientOncePerChange) {
   EXPECT_EQ(standing_[1], ForceStanding::kYours);
   EXPECT_EQ(standing_[2], ForceStanding::kTaken);
   table_.Notify({});
-  EXPECT_EQ(told_[1], 2) << "the device has gone";
+  EXPECT_EQ(reported_[1], 2) << "the device has gone";
   EXPECT_EQ(available_[1], 0U);
   table_.SetOwner(2);
   table_.Notify({});

@@ -149,8 +149,8 @@ TEST(FirmwareCurrent, TelemetryReportsCurrentAtTheEndOfEachControlStep) {
     if (bench.telemetry_count != telemetry_count) {
       for (std::size_t step = 0; step < kStepsPerTick; ++step) {
         for (std::size_t k = 0; k < 3; ++k) {
-          const double told_A = bench.telemetry.current[step][k] * wire::kCurrentUnit_A;
-          worst_A = std::max(worst_A, std::abs(told_A - true_A[step + 1][k]));
+          const double reported_A = bench.telemetry.current[step][k] * wire::kCurrentUnit_A;
+          worst_A = std::max(worst_A, std::abs(reported_A - true_A[step + 1][k]));
           worst_of_means_A = std::max(worst_of_means_A, 0.5 * std::abs(true_A[step + 1][k] - true_A[step][k]));
         }
       }

@@ -180,10 +180,10 @@ TEST_P(ProcessRoom, WhatHappensToSensorsAndRoomIsTold) {
   const RoomEvent& event = GetParam();
   const std::string twin = std::string("based_on = \"ideal\"\n") + event.toml + "\n";
   ASSERT_NO_FATAL_FAILURE(Start(CalibrationOf(sim::NoImperfections(), 1), event.hand, twin));
-  const auto is_told = [&](const nlohmann::json& status) {
+  const auto is_reported = [&](const nlohmann::json& status) {
     return !status["room"].empty() && status["room"][0]["kind"] == event.kind;
   };
-  ASSERT_TRUE(WaitFor(20, is_told)) << LogText();
+  ASSERT_TRUE(WaitFor(20, is_reported)) << LogText();
   ExpectMentions(Status()["room"].dump(), event.words);
   ExpectMentions(Status()["problems"].dump(), {"room: "});
   ExpectMentions(RunOmni({"status", "--socket", Socket()}).out, {"problem    room: "});

@@ -117,11 +117,11 @@ TEST(TrackRun, TracksBaseWithMeasuredAndHiddenCurrents) {
   const auto reported = TrackRecording(rig.ExactCalibration(), recording, {});
   const auto hidden = TrackRecording(rig.ExactCalibration(), recording, {.currents = TrackCurrents::kHidden});
   ASSERT_TRUE(reported.ok() && hidden.ok());
-  const double told_mm = TrackErrors(*reported, truth)[0].at("mean_mm"),
+  const double reported_mm = TrackErrors(*reported, truth)[0].at("mean_mm"),
                hidden_mm = TrackErrors(*hidden, truth)[0].at("mean_mm");
-  EXPECT_LT(told_mm, 0.25);
+  EXPECT_LT(reported_mm, 0.25);
   EXPECT_LT(hidden_mm, 0.6);
-  EXPECT_GT(hidden_mm, told_mm);
+  EXPECT_GT(hidden_mm, reported_mm);
 }
 
 TEST(TrackRun, FilesHaveOneLinePerPose) {

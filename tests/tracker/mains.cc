@@ -125,9 +125,9 @@ TEST_F(TrackerMains, MainsFieldIsExtrapolatedToEachSensorsInstant) {
     for (std::size_t c = 0; c < 3; ++c) {
       const double a_T = mains.tones[0].mean_T[c], b_T = mains.tones[0].mean_T[3 + c];
       const double true_T = a_T * std::cos(phase_rad) + b_T * std::sin(phase_rad);
-      const double told_T =
+      const double reported_T =
           change.field_T[c] - age_s * change.rate_T_s[c] + age_s * age_s / 2 * change.acceleration_T_s2[c];
-      EXPECT_LE(std::abs(told_T - true_T), std::pow(omega_age, 3) / 6 * std::hypot(a_T, b_T) + 1e-15);
+      EXPECT_LE(std::abs(reported_T - true_T), std::pow(omega_age, 3) / 6 * std::hypot(a_T, b_T) + 1e-15);
     }
   }
 }

@@ -109,16 +109,16 @@ void ForceClients::Notify(const protocol::ForceProperties& properties) {
   }
   const ipc::ClientId felt = claimed_owner();
   for (auto& [id, client] : clients_) {
-    if (client.properties_told != properties_number_ && send_.properties(id, properties_)) {
-      client.properties_told = properties_number_;
+    if (client.properties_reported != properties_number_ && send_.properties(id, properties_)) {
+      client.properties_reported = properties_number_;
     }
     const auto standing = felt == 0    ? protocol::ForceStanding::kFree
                           : felt == id ? protocol::ForceStanding::kYours
                                        : protocol::ForceStanding::kTaken;
-    if (client.standing_told == standing) continue;
+    if (client.standing_reported == standing) continue;
     protocol::ForceOwner message;
     message.standing = standing;
-    if (send_.owner(id, message)) client.standing_told = standing;
+    if (send_.owner(id, message)) client.standing_reported = standing;
   }
 }
 

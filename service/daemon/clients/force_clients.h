@@ -44,8 +44,8 @@ class ForceClients {
  private:
   struct Client {
     bool claimed = false;
-    std::optional<protocol::ForceStanding> standing_told;
-    std::uint64_t properties_told = 0;  // number of the last ones that were sent
+    std::optional<protocol::ForceStanding> standing_reported;
+    std::uint64_t properties_reported = 0;  // number of the last ones that were sent
   };
   void EndAll();
 

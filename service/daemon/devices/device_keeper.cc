@@ -65,7 +65,7 @@ struct DeviceKeeper::Session {
   std::unique_ptr<Recorder> recorder;
   FaultLog faults;
   FitWatch fit;
-  bool misfit_told = false;
+  bool misfit_reported = false;
   bool recording_failed = false;  // and logged
 };
 
@@ -80,11 +80,11 @@ bool DeviceKeeper::Open() {
   if (!opened.ok()) {
     service_.Detach(opened.error());
     const char* next = IsReplay(options_.device) ? "" : "; omnid tries again every second";
-    if (opened.error() != told_) spdlog::error("device: {}{}", opened.error(), next);
-    told_ = opened.error();
+    if (opened.error() != reported_) spdlog::error("device: {}{}", opened.error(), next);
+    reported_ = opened.error();
     return false;
   }
-  told_.clear();
+  reported_.clear();
   ++opened_;
   if (opened->transport->info().simulation && !IsTwin(options_.device)) spdlog::warn("SIMULATION: {}", kSimulationText);
   const loop::TickConfig config = Calibrated(opened->serial);
@@ -137,8 +137,8 @@ void DeviceKeeper::WatchFit() {
   const loop::FitStatistics& fit = session_->loop.statistics().fit;
   session_->fit.Update(fit.explained.load(), fit.contradicted.load(), base::MonotonicNow_ns());
   const bool misfit = session_->fit.misfit() && !session_->room.explains_misfit();
-  if (misfit == session_->misfit_told) return;
-  session_->misfit_told = misfit;
+  if (misfit == session_->misfit_reported) return;
+  session_->misfit_reported = misfit;
   const std::string text = misfit ? MisfitText(calibration_path_, session_->fit.share()) : std::string();
   service_.SetMisfit(text);
   if (misfit) {

@@ -48,7 +48,7 @@ class DeviceKeeper {
   std::unique_ptr<Session> session_;
   std::string calibration_path_;                  // in use; empty: nominal geometry
   std::optional<base::Calibration> calibration_;  // in use
-  std::string told_;                              // the last error logged, not repeated every second
+  std::string reported_;                          // the last error logged, not repeated every second
   int opened_ = 0;
   int polls_ = 0;  // since it was lost
 };

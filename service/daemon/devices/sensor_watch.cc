@@ -19,18 +19,18 @@ std::string SensorsText(const std::vector<int>& sensors) {
   return text;
 }
 
-constexpr const char* kLookAtCable = "check its cable and address, then: omni device selftest";
+constexpr const char* kCheckCable = "check its cable and address, then: omni device selftest";
 
 RoomFinding Silent(std::vector<int> sensors, bool too_few) {
   std::string what = SensorsText(sensors) + (sensors.size() == 1 ? " gives" : " give") + " nothing";
   if (too_few) what += ", and the others are too few for a pose: there is no force";
-  return {.kind = "sensor-silent", .sensors = std::move(sensors), .what = std::move(what), .fix = kLookAtCable};
+  return {.kind = "sensor-silent", .sensors = std::move(sensors), .what = std::move(what), .fix = kCheckCable};
 }
 
 RoomFinding Stuck(std::vector<int> sensors) {
   const bool one = sensors.size() == 1;
   std::string what = SensorsText(sensors) + (one ? " repeats itself" : " repeat themselves") + ": nothing is measured";
-  return {.kind = "sensor-repeats", .sensors = std::move(sensors), .what = std::move(what), .fix = kLookAtCable};
+  return {.kind = "sensor-repeats", .sensors = std::move(sensors), .what = std::move(what), .fix = kCheckCable};
 }
 
 RoomFinding Wrong(int sensor, bool everywhere) {

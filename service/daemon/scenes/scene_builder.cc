@@ -183,7 +183,7 @@ BuiltScene SceneBuilder::Build(const SceneJob& job, std::deque<std::uint32_t>& s
     base::Result<haptics::Scene> scene =
         scene::LoadScene(built.file, job.options, cache_ ? &*cache_ : nullptr, built.load, built.report);
     built.warnings = built.load.warnings;
-    if (cache_ && !cache_->problem().empty() && !std::exchange(told_of_cache_, true)) {
+    if (cache_ && !cache_->problem().empty() && !std::exchange(cache_reported_, true)) {
       built.warnings.push_back("scene cache: " + cache_->problem());
     }
     if (scene.ok()) {

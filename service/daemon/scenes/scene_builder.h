@@ -105,7 +105,7 @@ class SceneBuilder {
   const std::string cache_folder_;
   const std::uint32_t soft_tets_;
   std::optional<scene::CacheStore> cache_;  // of the thread
-  bool told_of_cache_ = false;
+  bool cache_reported_ = false;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<SceneJob> jobs_;

@@ -9,16 +9,16 @@ SurfaceClients::SurfaceClients(std::uint64_t service_instance, Snapshot snapshot
 
 void SurfaceClients::Request(ipc::ClientId id, bool wanted) {
   if (wanted) {
-    told_[id] = std::nullopt;
+    reported_[id] = std::nullopt;
   } else {
-    told_.erase(id);
+    reported_.erase(id);
   }
 }
 
-void SurfaceClients::Remove(ipc::ClientId id) { told_.erase(id); }
+void SurfaceClients::Remove(ipc::ClientId id) { reported_.erase(id); }
 
 std::string SurfaceClients::Update(const std::shared_ptr<const haptics::Scene>& scene, std::uint64_t scene_generation) {
-  const bool needed = !told_.empty() && scene != nullptr && !haptics::ChangingObjects(*scene).empty();
+  const bool needed = !reported_.empty() && scene != nullptr && !haptics::ChangingObjects(*scene).empty();
   KeepThread(scene, scene_generation, needed);
   if (!needed) {
     Announce(nullptr);
@@ -58,7 +58,7 @@ void SurfaceClients::Announce(const ipc::SurfacePublisher* memory) {
     message.total_bytes = memory->bytes();
     message.memory_generation = memory->id().memory_generation;
   }
-  for (auto& [id, reported] : told_) {
+  for (auto& [id, reported] : reported_) {
     if (reported == message.memory_generation) continue;
     if (send_(id, message, memory == nullptr ? -1 : memory->fd())) reported = message.memory_generation;
   }

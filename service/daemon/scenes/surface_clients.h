@@ -42,7 +42,7 @@ class SurfaceClients {
   const std::uint64_t service_instance_;
   const Snapshot snapshot_;
   const Send send_;
-  std::map<ipc::ClientId, std::optional<std::uint64_t>> told_;  // memory generation sent, 0: that there is none
+  std::map<ipc::ClientId, std::optional<std::uint64_t>> reported_;  // memory generation sent, 0: that there is none
   std::atomic<std::uint64_t> memory_generation_{0};
   std::string problem_;                  // newest, already reported
   std::uint64_t thread_generation_ = 0;  // of its scene

@@ -99,9 +99,9 @@ void DeviceRecorder::Drain() {
     }
     if (bytes_.size() >= kWriteSize) Write();
   }
-  if (const std::uint64_t lost = lost_.value(); lost != lost_told_) {
+  if (const std::uint64_t lost = lost_.value(); lost != lost_reported_) {
     Append(LossRecord{.lost = lost});
-    lost_told_ = lost;
+    lost_reported_ = lost;
   }
   Write();
 }

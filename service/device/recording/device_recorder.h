@@ -70,7 +70,7 @@ class DeviceRecorder {
   std::vector<std::uint8_t> bytes_;
   std::uint64_t scans_ = 0;
   std::uint64_t commands_ = 0;
-  std::uint64_t lost_told_ = 0;
+  std::uint64_t lost_reported_ = 0;
   std::thread thread_;
 };
 

@@ -97,10 +97,10 @@ TEST(HapticScene, PlacementIsSentInBaseFrame) {
   const auto& q = place.pose.rotation_wxyz;
   const auto& t = place.pose.position_m;
   const glm::dvec3 p_O = glm::dquat(q[0], q[1], q[2], q[3]) * p_Z + glm::dvec3(t[0], t[1], t[2]);
-  const glm::dvec3 told_L = X_LO.p + X_LO.q * p_O;
-  EXPECT_NEAR(told_L.x, p_L.x, 1e-6);
-  EXPECT_NEAR(told_L.y, p_L.y, 1e-6);
-  EXPECT_NEAR(told_L.z, p_L.z, 1e-6);
+  const glm::dvec3 reported_L = X_LO.p + X_LO.q * p_O;
+  EXPECT_NEAR(reported_L.x, p_L.x, 1e-6);
+  EXPECT_NEAR(reported_L.y, p_L.y, 1e-6);
+  EXPECT_NEAR(reported_L.z, p_L.z, 1e-6);
   EXPECT_EQ(scenario.State().status, XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1) << "another scale is another scene";
 }
 

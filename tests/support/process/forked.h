@@ -34,14 +34,14 @@ class Forked {
       _exit(0);
     }
     close(ends[1]);
-    if (read(ends[0], &told_, sizeof(told_)) != sizeof(told_)) told_ = 0;
+    if (read(ends[0], &reported_, sizeof(reported_)) != sizeof(reported_)) reported_ = 0;
     close(ends[0]);
   }
   ~Forked() { Kill(); }
   Forked(const Forked&) = delete;
   Forked& operator=(const Forked&) = delete;
 
-  std::int64_t reported() const { return told_; }  // 0: nothing
+  std::int64_t reported() const { return reported_; }  // 0: nothing
   void Stop() const {
     if (pid_ > 0) kill(pid_, SIGSTOP);
   }
@@ -54,7 +54,7 @@ class Forked {
 
  private:
   pid_t pid_ = -1;
-  std::int64_t told_ = 0;
+  std::int64_t reported_ = 0;
 };
 
 }  // namespace omni::test
