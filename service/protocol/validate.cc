@@ -262,26 +262,30 @@ bool CheckHeader(const void* bytes, std::size_t size, MessageHeader& header, Inv
   return true;
 }
 
-// The alternative of the header's type, if there is one. False: there is none.
 template <class Variant, class M>
-bool DecodeAs(MessageType type, const void* bytes, std::size_t size, Variant& out) noexcept {
-  if (Traits<M>::kType != type) return false;
+Variant DecodeAs(const void* bytes, std::size_t size) noexcept {
   M message;
   Invalid why;
-  if (Decode(bytes, size, message, why)) {
-    out = message;
-  } else {
-    out = why;
-  }
-  return true;
+  if (!Decode(bytes, size, message, why)) return why;
+  return message;
 }
 
+// The alternative of the header's type.
 template <class... M>
-std::variant<Invalid, M...> ValidateAs(const void* bytes, std::size_t size, std::variant<Invalid, M...> out) noexcept {
+std::variant<Invalid, M...> ValidateAs(const void* bytes, std::size_t size,
+                                       const std::variant<Invalid, M...>* /*result*/) noexcept {
+  using Variant = std::variant<Invalid, M...>;
+  struct Decoder {
+    MessageType type;
+    Variant (*decode)(const void* bytes, std::size_t size) noexcept;
+  };
+  static constexpr Decoder kDecoders[] = {{Traits<M>::kType, DecodeAs<Variant, M>}...};
   MessageHeader header;
   Invalid why;
   if (!CheckHeader(bytes, size, header, why)) return why;
-  if ((DecodeAs<std::variant<Invalid, M...>, M>(header.type, bytes, size, out) || ...)) return out;
+  for (const Decoder& decoder : kDecoders) {
+    if (decoder.type == header.type) return decoder.decode(bytes, size);
+  }
   const TypeRow* row = FindType(header.type);
   if (row == nullptr) return Because("message type %u is unknown", static_cast<unsigned>(header.type));
   return Because("%s, a message that only %s", row->name, row->roles == 0 ? "omnid sends" : "clients send");
@@ -303,14 +307,16 @@ base::MaterialParameters HapticSceneRows::Material(std::uint32_t i) const noexce
 }
 
 ClientMessage ValidateFromClient(const void* bytes, std::size_t size) noexcept {
-  return ValidateAs(bytes, size, ClientMessage());
+  return ValidateAs(bytes, size, static_cast<const ClientMessage*>(nullptr));
 }
 
 ServerMessage ValidateFromServer(const void* bytes, std::size_t size) noexcept {
-  return ValidateAs(bytes, size, ServerMessage());
+  return ValidateAs(bytes, size, static_cast<const ServerMessage*>(nullptr));
 }
 
-Message Validate(const void* bytes, std::size_t size) noexcept { return ValidateAs(bytes, size, Message()); }
+Message Validate(const void* bytes, std::size_t size) noexcept {
+  return ValidateAs(bytes, size, static_cast<const Message*>(nullptr));
+}
 
 const char* TypeName(MessageType type) noexcept {
   const TypeRow* row = FindType(type);
