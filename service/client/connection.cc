@@ -193,12 +193,15 @@ template <class M>
 void Connection::Impl::Receive(const Incoming& packet, const M& message) {
   if constexpr (std::is_same_v<M, protocol::Invalid>) {
     RefuseNonsense(packet.now_ns, message.reason);
-  } else if constexpr (std::is_same_v<M, protocol::Reject>) {
-    Handle(packet, message);
-  } else if ((phase == Phase::kGreeting) != std::is_same_v<M, protocol::Welcome>) {
-    RefuseNonsense(packet.now_ns, "an unexpected message");
   } else {
-    Handle(packet, message);
+    // Reject may come at any time, Welcome only as the greeting, and everything else only after it.
+    const bool is_expected =
+        std::is_same_v<M, protocol::Reject> || (phase == Phase::kGreeting) == std::is_same_v<M, protocol::Welcome>;
+    if (is_expected) {
+      Handle(packet, message);
+    } else {
+      RefuseNonsense(packet.now_ns, "an unexpected message");
+    }
   }
 }
 

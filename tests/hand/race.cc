@@ -28,7 +28,7 @@ const sim::HandScript& RaceHand() {
 
 class HandRace : public testing::TestWithParam<int> {};
 
-TEST_P(HandRace, FinishesALapHoweverLateTheCarIsSeen) {
+TEST_P(HandRace, FinishesALapAtAnyDisplayDelay) {
   double sum_s = 0, longest_s = 0;
   std::uint32_t hits = 0;
   for (int k = 0; k < kSeedsPerBlock; ++k) {

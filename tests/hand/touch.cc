@@ -34,7 +34,7 @@ class HandTouch : public testing::TestWithParam<int> {
   static std::uint64_t Seed(int k) { return static_cast<std::uint64_t>(GetParam() * kSeedsPerBlock + k + 1); }
 };
 
-TEST_P(HandTouch, FormsClayHoweverLateItIsFelt) {
+TEST_P(HandTouch, SculptsClayAtAnyFeedbackDelay) {
   const auto hand = sim::LoadHandScript(OMNI_SOURCE_DIR "/scenes/extrusion.hand.json").value();
   Times times;
   for (int k = 0; k < kSeedsPerBlock; ++k) {
@@ -51,7 +51,7 @@ TEST_P(HandTouch, FormsClayHoweverLateItIsFelt) {
   times.Print("clay");
 }
 
-TEST_P(HandTouch, DentsASoftBodyHoweverLateItIsSeen) {
+TEST_P(HandTouch, DentsASoftBodyAtAnyDisplayDelay) {
   haptics::Material rubber;
   rubber.softness.model = haptics::SoftnessModel::kTet;
   rubber.softness.young_modulus_Pa = 5e4;

@@ -176,7 +176,7 @@ INSTANTIATE_TEST_SUITE_P(
                               {"uT: it was carried or turned", "omni calibrate --zero"}}),
     [](const auto& event) { return std::string(event.param.name); });
 
-TEST_P(ProcessRoom, WhatHappensToSensorsAndRoomIsTold) {
+TEST_P(ProcessRoom, RoomFindingsAreReported) {
   const RoomEvent& event = GetParam();
   const std::string twin = std::string("based_on = \"ideal\"\n") + event.toml + "\n";
   ASSERT_NO_FATAL_FAILURE(Start(CalibrationOf(sim::NoImperfections(), 1), event.hand, twin));
