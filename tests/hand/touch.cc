@@ -73,7 +73,7 @@ TEST_P(HandTouch, DentsASoftBodyAtAnyDisplayDelay) {
   times.Print("soft");
 }
 
-TEST_P(HandTouch, PressesWhatIsFirmHoweverLateItIsFelt) {
+TEST_P(HandTouch, PressesFirmSurfacesAtAnyFeedbackDelay) {
   const haptics::Scene table = TableScene(kTableTop_m);
   Times times;
   for (int k = 0; k < kSeedsPerBlock; ++k) {
