@@ -85,7 +85,7 @@ struct Connection::Impl {
   void Handle(const Incoming&, const protocol::ForceProperties& properties);
   void Handle(const Incoming&, const protocol::HapticSceneNews& news);
   void Handle(const Incoming&, const protocol::HapticSceneRows& rows);
-  void Handle(const Incoming&, const protocol::BasePose& there) { placement = there; }
+  void Handle(const Incoming&, const protocol::BasePose& there) { base_pose = there; }
   void Handle(const Incoming&, const protocol::BasePoseReply& reply);
   void KeepHapticScene(HapticSceneUpdate update);
   // A packet that is invalid, or not expected now.
@@ -128,11 +128,11 @@ struct Connection::Impl {
   std::optional<SceneAnswer> scene_answer;
   std::vector<HapticSceneUpdate> haptic_scene;
   std::uint64_t welcomes = 0;
-  std::optional<protocol::BasePoseRequest> placement_request;
-  bool placement_pending = false;  // the service does not know `placement_request` yet
-  std::optional<protocol::BasePose> placement;
-  std::uint32_t placement_commands = 0;  // sent so far
-  std::optional<BasePoseAnswer> placement_answer;
+  std::optional<protocol::BasePoseRequest> base_pose_request;
+  bool base_pose_pending = false;  // the service does not know `placement_request` yet
+  std::optional<protocol::BasePose> base_pose;
+  std::uint32_t base_pose_commands = 0;  // sent so far
+  std::optional<BasePoseAnswer> base_pose_answer;
   std::string last_error;
   std::vector<std::byte> buffer;
 };
@@ -147,7 +147,7 @@ void Connection::Impl::Advance(std::int64_t now_ns) {
   if (phase == Phase::kConnected && session_pending) SendPendingSession();
   if (phase == Phase::kConnected && surfaces_pending) SendSurfaceRequest();
   if (phase == Phase::kConnected && force_pending) SendForceClaim();
-  if (phase == Phase::kConnected && placement_pending) placement_pending = !Send(*placement_request);
+  if (phase == Phase::kConnected && base_pose_pending) base_pose_pending = !Send(*base_pose_request);
 }
 
 void Connection::Impl::Attempt(std::int64_t now_ns) {
@@ -225,11 +225,11 @@ void Connection::Impl::Handle(const Incoming& packet, const protocol::Welcome& w
   session_pending = session != protocol::SessionState::kNone;
   surfaces_pending = surfaces_wanted;
   force_pending = force_wanted;
-  placement_pending = placement_request.has_value();
+  base_pose_pending = base_pose_request.has_value();
 }
 
 void Connection::Impl::Handle(const Incoming&, const protocol::BasePoseReply& reply) {
-  placement_answer = {.number = reply.number, .done = reply.done == 1, .text = protocol::Printable(reply.text)};
+  base_pose_answer = {.number = reply.number, .done = reply.done == 1, .text = protocol::Printable(reply.text)};
 }
 
 void Connection::Impl::Handle(const Incoming& packet, const protocol::Reject& reject) {
@@ -450,22 +450,22 @@ std::uint64_t Connection::welcomes() const noexcept { return impl_->welcomes; }
 std::vector<HapticSceneUpdate> Connection::PopHapticSceneUpdates() { return std::exchange(impl_->haptic_scene, {}); }
 bool Connection::RequestBasePose(const protocol::BasePoseRequest& request) noexcept {
   if (impl_->info.role != protocol::ClientRole::kApplication) return false;
-  impl_->placement_request = request;
-  impl_->placement_pending = !impl_->Send(request);
-  return !impl_->placement_pending;
+  impl_->base_pose_request = request;
+  impl_->base_pose_pending = !impl_->Send(request);
+  return !impl_->base_pose_pending;
 }
 
 std::optional<protocol::BasePose> Connection::PopBasePose() noexcept {
-  return std::exchange(impl_->placement, std::nullopt);
+  return std::exchange(impl_->base_pose, std::nullopt);
 }
 
 std::uint32_t Connection::SendBasePoseCommand(protocol::BasePoseCommand command) noexcept {
-  command.number = impl_->placement_commands + 1;
-  return impl_->Send(command) ? ++impl_->placement_commands : 0;
+  command.number = impl_->base_pose_commands + 1;
+  return impl_->Send(command) ? ++impl_->base_pose_commands : 0;
 }
 
 std::optional<BasePoseAnswer> Connection::PopBasePoseAnswer() {
-  return std::exchange(impl_->placement_answer, std::nullopt);
+  return std::exchange(impl_->base_pose_answer, std::nullopt);
 }
 
 std::string Connection::PopStatus() { return std::exchange(impl_->status, {}); }

@@ -44,14 +44,14 @@ Service::Service(ServiceOptions options)
                   [this](ipc::ClientId id, const protocol::ForceProperties& properties) {
                     return server_->Send(id, properties);
                   }}),
-      placement_writer_([this](ipc::ClientId id, std::uint32_t number, bool done, const std::string& text) {
+      base_pose_writer_([this](ipc::ClientId id, std::uint32_t number, bool done, const std::string& text) {
         protocol::BasePoseReply reply;
         reply.number = number;
         reply.done = done ? 1 : 0;
         protocol::SetField(reply.text, text);
         Send(id, reply);
       }),
-      placements_(options_.alignment_path, placement_writer_.write()),
+      base_poses_(options_.alignment_path, base_pose_writer_.write()),
       calibration_(options_.calibration),
       surfaces_(
           options_.instance, [this](loop::SurfaceSnapshot& snapshot) { return ReadSnapshot(snapshot); },
@@ -59,7 +59,7 @@ Service::Service(ServiceOptions options)
             return server_ != nullptr && server_->Send(id, surfaces, {}, fd);
           }) {
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
-  if (!placements_.problem().empty()) spdlog::warn("{}", placements_.problem());
+  if (!base_poses_.problem().empty()) spdlog::warn("{}", base_poses_.problem());
   if (options_.inputs.devices.empty()) return;
   keys_ =
       std::make_unique<KeyThread>(KeyThreadOptions{.devices = options_.inputs.devices, .codes = options_.inputs.slots},
@@ -98,7 +98,7 @@ void Service::OnGone(ipc::ClientId id) {
   owners_.Remove(id);
   surfaces_.Remove(id);
   force_.Remove(id);
-  placements_.Remove(id);
+  base_poses_.Remove(id);
   if (application) WriteCommands(base::MonotonicNow_ns());  // a dead owner's force goes now, not at the next period
 }
 
@@ -185,18 +185,18 @@ struct Service::RequestHandler {
 
   void operator()(const protocol::BasePoseRequest& request) const {
     if (service.clients_.count(id) == 0) return;
-    service.placements_.Request(id, request);
+    service.base_poses_.Request(id, request);
     service.SendBasePoses();
   }
   void operator()(const protocol::SpaceChange& change) const {
     const auto found = service.clients_.find(id);
     if (found == service.clients_.end() || !found->second.session_seen) return;
-    service.placements_.Change(id, change, base::MonotonicNow_ns());
+    service.base_poses_.Change(id, change, base::MonotonicNow_ns());
     service.SendBasePoses();
   }
   void operator()(const protocol::BasePoseCommand& command) const {
-    service.placement_writer_.Answer(
-        id, command.number, service.placements_.Execute(command, static_cast<std::int64_t>(std::time(nullptr))));
+    service.base_pose_writer_.Answer(
+        id, command.number, service.base_poses_.Execute(command, static_cast<std::int64_t>(std::time(nullptr))));
     service.SendBasePoses();
   }
 };
@@ -206,17 +206,17 @@ void Service::OnRequest(ipc::ClientId id, const protocol::Request& request, base
 }
 
 void Service::SendBasePoses() {
-  placements_.Notify([this](ipc::ClientId id, const protocol::BasePose& placement) {
-    return server_ != nullptr && server_->Send(id, placement);
+  base_poses_.Notify([this](ipc::ClientId id, const protocol::BasePose& base_pose) {
+    return server_ != nullptr && server_->Send(id, base_pose);
   });
   if (options_.on_aligned) options_.on_aligned(Aligned());
 }
 
 // Of the owner; without one, of any client.
 bool Service::Aligned() const {
-  if (owners_.owner() != 0) return placements_.Aligned(owners_.owner());
+  if (owners_.owner() != 0) return base_poses_.Aligned(owners_.owner());
   return std::any_of(clients_.begin(), clients_.end(),
-                     [this](const auto& client) { return placements_.Aligned(client.first); });
+                     [this](const auto& client) { return base_poses_.Aligned(client.first); });
 }
 
 void Service::OnPeriod(std::int64_t now_ns) {
@@ -226,7 +226,7 @@ void Service::OnPeriod(std::int64_t now_ns) {
   WriteCommands(now_ns);
   SendForceProperties();
   UpdateSurfaces();
-  placement_writer_.HandleWritten(placements_);
+  base_pose_writer_.HandleWritten(base_poses_);
   SendBasePoses();
   ReleaseScenes();
   app_scenes_.Notify(owners_.owner(), generation_);
@@ -417,15 +417,15 @@ std::string Service::StatusJson() {
                              .scene = scene == nullptr ? "" : scene->file,
                              .soft = builder_.Progress(scene == nullptr ? id : scene->client),
                              .sculpted = scene == nullptr ? 0 : SculptedOf(*scene->scene),
-                             .aligned = placements_.Aligned(id)});
-    if (const protocol::BasePoseRequest* request = placements_.RequestOf(id)) {
+                             .aligned = base_poses_.Aligned(id)});
+    if (const protocol::BasePoseRequest* request = base_poses_.RequestOf(id)) {
       input.clients.back().runtime = request->headset.runtime;
       input.clients.back().system = request->headset.system;
     }
   }
   input.aligned = Aligned();
-  input.alignments = placements_.file();
-  if (!placements_.problem().empty()) input.problems.push_back("alignment: " + placements_.problem());
+  input.alignments = base_poses_.file();
+  if (!base_poses_.problem().empty()) input.problems.push_back("alignment: " + base_poses_.problem());
   input.scene_generation = generation_;
   if (wanted_ != nullptr) {
     input.scene_file = wanted_->file;

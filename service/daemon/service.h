@@ -117,8 +117,8 @@ class Service : public ipc::ServerHandler {
   AppScenes app_scenes_;
   Vibration vibration_;
   ForceClients force_;
-  BasePoseWriter placement_writer_;
-  BasePoses placements_;
+  BasePoseWriter base_pose_writer_;
+  BasePoses base_poses_;
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
 
   std::mutex loop_mutex_;

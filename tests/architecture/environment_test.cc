@@ -2,16 +2,14 @@
 // environment by secure_getenv only (service/protocol/environment.h).
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <regex>
+#include <sstream>
 #include <string>
-#include <vector>
+
+#include "tests/architecture/includes.h"
 
 namespace omni::architecture {
 namespace {
-
-namespace fs = std::filesystem;
 
 bool ReadsPlainEnvironment(const std::string& line) {
   static const std::regex plain(R"((^|[^A-Za-z0-9_])(getenv|environ|__environ)([^A-Za-z0-9_.]|$))");
@@ -19,30 +17,18 @@ bool ReadsPlainEnvironment(const std::string& line) {
   return std::regex_search(code, plain);
 }
 
-// "file:line" of every place below `folder`.
-std::vector<std::string> PlainReadsIn(const std::string& folder, int& files) {
-  std::vector<std::string> found;
-  for (const auto& entry : fs::recursive_directory_iterator(fs::path(OMNI_SOURCE_DIR) / folder)) {
-    const fs::path extension = entry.path().extension();
-    if (extension != ".cc" && extension != ".h") continue;
-    ++files;
-    std::ifstream in(entry.path());
+TEST(Environment, LayerAndClientsUseOnlySecureGetenv) {
+  const SourceTree tree =
+      ReadTree(OMNI_SOURCE_DIR, {"layer/src", "layer/include", "service/client", "service/protocol"});
+  EXPECT_GT(tree.size(), 100U) << "the sources were found";
+  for (const auto& [path, text] : tree) {
+    std::istringstream lines(text);
     int number = 0;
-    for (std::string line; std::getline(in, line);) {
+    for (std::string line; std::getline(lines, line);) {
       ++number;
-      if (ReadsPlainEnvironment(line)) found.push_back(entry.path().string() + ":" + std::to_string(number));
+      if (ReadsPlainEnvironment(line)) ADD_FAILURE() << path << ":" << number << ": use omni::protocol::Environment";
     }
   }
-  return found;
-}
-
-TEST(Environment, LayerAndClientsUseOnlySecureGetenv) {
-  int files = 0;
-  for (const char* folder : {"layer/src", "layer/include", "service/client", "service/protocol"}) {
-    const std::vector<std::string> found = PlainReadsIn(folder, files);
-    for (const std::string& place : found) ADD_FAILURE() << place << ": use omni::protocol::Environment";
-  }
-  EXPECT_GT(files, 100) << "the sources were found";
 }
 
 TEST(Environment, ScannerDetectsPlainGetenv) {

@@ -125,12 +125,12 @@ const std::vector<Confined>& ConfinedHeaders() {
   return kConfined;
 }
 
-SourceTree ReadTree(const std::string& root, const std::vector<std::string>& tops) {
+SourceTree ReadTree(const std::string& root, const std::vector<std::string>& tops,
+                    const std::set<std::string>& extensions) {
   SourceTree tree;
   for (const std::string& top : tops) {
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(root) / top)) {
-      const std::string extension = entry.path().extension().string();
-      if (!entry.is_regular_file() || (extension != ".h" && extension != ".cc")) continue;
+      if (!entry.is_regular_file() || extensions.count(entry.path().extension().string()) == 0) continue;
       std::ifstream file(entry.path());
       std::ostringstream text;
       text << file.rdbuf();

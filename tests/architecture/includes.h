@@ -24,7 +24,9 @@ const std::vector<Confined>& ConfinedHeaders();
 
 // Path from the root -> text.
 using SourceTree = std::map<std::string, std::string>;
-SourceTree ReadTree(const std::string& root, const std::vector<std::string>& tops = {"layer", "service", "firmware"});
+// Of the files below `tops` that have one of these extensions.
+SourceTree ReadTree(const std::string& root, const std::vector<std::string>& tops = {"layer", "service", "firmware"},
+                    const std::set<std::string>& extensions = {".cc", ".h"});
 
 // The module of a path; empty: not under the rules (tests, scenes).
 std::string ModuleOf(const std::string& path);

@@ -1,20 +1,20 @@
-// Words that this project used in a sense of its own, or that nobody else uses: they stay out of code, help and docs.
+// Words that this project used in a sense of its own, or that other projects do not use: none in code, help and docs.
 // The terms to use are those of docs/conventions.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <regex>
-#include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "tests/architecture/includes.h"
+
 namespace omni::architecture {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct Retired {
   const char* hint;     // lower case; in every line that the pattern finds
@@ -81,35 +81,30 @@ std::string WithoutNames(const std::string& line) {
 // Rows of benchmarks keep their words, so that figures of before can be found.
 bool IsFrozen(const std::string& line) { return line.find("xrLocateSpace tells its pose") != std::string::npos; }
 
-bool IsRead(const fs::path& path) {
-  static const std::set<std::string> kinds{".c", ".cc", ".cmake", ".cpp", ".h", ".md", ".py", ".sh", ".toml", ".ts"};
-  const std::string name = path.filename().string();
-  if (name == "words_test.cc" || name == "benchmarks.md") return false;
-  return kinds.count(path.extension().string()) != 0 || name == "CMakeLists.txt" ||
-         path.parent_path().filename() == "scripts";
-}
-
-void Check(const fs::path& path, int& files) {
-  ++files;
-  std::ifstream in(path);
+void Check(const std::string& path, const std::string& text) {
+  std::istringstream lines(text);
   int number = 0;
-  for (std::string line; std::getline(in, line);) {
+  for (std::string line; std::getline(lines, line);) {
     ++number;
-    if (IsFrozen(line)) continue;
-    if (RetiredIn(line).empty()) continue;
-    const std::string text = path.extension() == ".md" ? WithoutNames(line) : line;
-    for (const std::string& found : RetiredIn(text)) ADD_FAILURE() << path.string() << ":" << number << ": " << found;
+    if (IsFrozen(line) || RetiredIn(line).empty()) continue;
+    const bool is_page = path.size() > 3 && path.substr(path.size() - 3) == ".md";
+    for (const std::string& found : RetiredIn(is_page ? WithoutNames(line) : line))
+      ADD_FAILURE() << path << ":" << number << ": " << found;
   }
 }
 
 TEST(Words, RetiredOnesAreNotUsed) {
-  const fs::path root = OMNI_SOURCE_DIR;
-  int files = 0;
-  for (const char* top : {"docs", "firmware", "layer", "manifests", "scenes", "scripts", "service", "tests"})
-    for (const auto& entry : fs::recursive_directory_iterator(root / top))
-      if (entry.is_regular_file() && IsRead(entry.path())) Check(entry.path(), files);
-  for (const char* name : {"README.md", "SECURITY.md", "CMakeLists.txt"}) Check(root / name, files);
-  EXPECT_GT(files, 1500) << "the sources were found";
+  SourceTree tree = ReadTree(OMNI_SOURCE_DIR, {"docs", "firmware", "layer", "manifests", "scenes", "service", "tests"},
+                             {".c", ".cc", ".cmake", ".cpp", ".h", ".md", ".py", ".sh", ".toml", ".ts", ".txt"});
+  tree.merge(ReadTree(OMNI_SOURCE_DIR, {"scripts"}, {"", ".cmake", ".py", ".sh"}));
+  tree.erase("docs/benchmarks.md");
+  tree.erase("tests/architecture/words_test.cc");
+  EXPECT_GT(tree.size(), 1500U) << "the sources were found";
+  for (const auto& [path, text] : tree) Check(path, text);
+  for (const char* name : {"README.md", "SECURITY.md", "CMakeLists.txt"}) {
+    std::ifstream file(std::string(OMNI_SOURCE_DIR) + "/" + name);
+    Check(name, {std::istreambuf_iterator<char>(file), {}});
+  }
 }
 
 TEST(Words, EachRetiredOneIsFound) {

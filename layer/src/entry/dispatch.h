@@ -48,24 +48,22 @@
   X(Vibrations, GetDeviceSampleRateFB)
 
 // Functions of the next layer or runtime that we only call, or that are no method of an instance.
-#define OMNI_LAYER_CALLED(X)  \
-  X(DestroyInstance)          \
-  X(StringToPath)             \
-  X(PathToString)             \
-  X(EnumerateReferenceSpaces) \
-  X(GetInstanceProperties)
+#define OMNI_LAYER_CALLED(X)         \
+  X(Below, DestroyInstance)          \
+  X(Below, StringToPath)             \
+  X(Below, PathToString)             \
+  X(Below, EnumerateReferenceSpaces) \
+  X(Below, GetInstanceProperties)
 
 namespace omni::layer {
 
 struct Dispatch {
   PFN_xrGetInstanceProcAddr GetInstanceProcAddr = nullptr;
 #define OMNI_LAYER_MEMBER(part, name) PFN_xr##name name = nullptr;
-#define OMNI_LAYER_CALLED_MEMBER(name) PFN_xr##name name = nullptr;
   OMNI_LAYER_INTERCEPTED(OMNI_LAYER_MEMBER)
-  OMNI_LAYER_CALLED(OMNI_LAYER_CALLED_MEMBER)
+  OMNI_LAYER_CALLED(OMNI_LAYER_MEMBER)
   // Absent below: nullptr.
   OMNI_LAYER_OPTIONAL(OMNI_LAYER_MEMBER)
-#undef OMNI_LAYER_CALLED_MEMBER
 #undef OMNI_LAYER_MEMBER
   PFN_xrConvertTimespecTimeToTimeKHR ConvertTimespecTimeToTimeKHR = nullptr;
   PFN_xrEnumerateInstanceExtensionProperties EnumerateInstanceExtensionProperties = nullptr;

@@ -127,12 +127,12 @@ XRAPI_ATTR XrResult XRAPI_CALL SetVector2f(XrSession session, XrPath top_level, 
 XrResult PlaceTool(const Target& t, const PoseComponent& component, XrSpace space, const XrPosef& pose) {
   XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, nullptr, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
   const XrTime now = t.instance->clock.ToXr(base::MonotonicNow_ns());
-  const BasePose placement = t.session->placement.At(now);
-  const XrResult result = t.instance->locator.LocateSpace(space, t.session->Anchor(placement.space), now, &location);
+  const BasePose base_pose = t.session->base_pose.At(now);
+  const XrResult result = t.instance->locator.LocateSpace(space, t.session->Anchor(base_pose.space), now, &location);
   if (XR_FAILED(result)) return result;
   if ((location.locationFlags & kValid) != kValid) return XR_ERROR_RUNTIME_FAILURE;
   const Pose X_LP = Compose(FromXr(location.pose), FromXr(pose));
-  t.device->SetPose(Compose(Compose(Inverse(placement.X_LO), X_LP), Inverse(component.X_TP)));
+  t.device->SetPose(Compose(Compose(Inverse(base_pose.X_LO), X_LP), Inverse(component.X_TP)));
   return XR_SUCCESS;
 }
 

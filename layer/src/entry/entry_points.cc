@@ -97,15 +97,13 @@ bool Load(XrInstance instance, PFN_xrGetInstanceProcAddr get, const char* name, 
 bool LoadDispatch(XrInstance instance, PFN_xrGetInstanceProcAddr next_get, Dispatch& next, const char** missing) {
   next.GetInstanceProcAddr = next_get;
   bool complete = true;
-#define OMNI_LAYER_LOAD(name)                             \
+#define OMNI_LAYER_LOAD(part, name)                       \
   if (!Load(instance, next_get, "xr" #name, next.name)) { \
     complete = false;                                     \
     *missing = "xr" #name;                                \
   }
-#define OMNI_LAYER_LOAD_INTERCEPTED(part, name) OMNI_LAYER_LOAD(name)
-  OMNI_LAYER_INTERCEPTED(OMNI_LAYER_LOAD_INTERCEPTED)
+  OMNI_LAYER_INTERCEPTED(OMNI_LAYER_LOAD)
   OMNI_LAYER_CALLED(OMNI_LAYER_LOAD)
-#undef OMNI_LAYER_LOAD_INTERCEPTED
 #undef OMNI_LAYER_LOAD
 #define OMNI_LAYER_LOAD(part, name) Load(instance, next_get, "xr" #name, next.name);
   OMNI_LAYER_OPTIONAL(OMNI_LAYER_LOAD)

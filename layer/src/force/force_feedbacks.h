@@ -14,7 +14,7 @@ class ForceFeedbacks {
  public:
   explicit ForceFeedbacks(Instance& instance) : instance_(instance) {}
 
-  // force_feedback.cc
+  // force_feedbacks.cc
   XrResult Create(XrSession session, const XrForceFeedbackCreateInfoOMNIX1* info, XrForceFeedbackOMNIX1* force);
   XrResult Destroy(XrForceFeedbackOMNIX1 force);
   XrResult Apply(XrForceFeedbackOMNIX1 force, const XrForceApplyInfoOMNIX1* info);

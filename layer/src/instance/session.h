@@ -25,7 +25,7 @@ class Session {
   const XrSession handle;
 
   // Where the base stands, in one of the anchors. Set from any thread, read by every query about the pen.
-  BasePoseHistory placement;
+  BasePoseHistory base_pose;
 
   // A space of ours at the natural origin of each of kAnchorTypes that the runtime offers; else XR_NULL_HANDLE. Made
   // with the session, fixed from then on.

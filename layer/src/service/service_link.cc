@@ -29,11 +29,11 @@ void ServiceLink::Poll(std::int64_t now_ns) {
     settings_ = connection_.settings();
   }
   const bool connected = connection_.connected();
-  if (connected && !was_connected_ && placement_asked_) placement_patience_ns_ = now_ns + kBasePosePatience_ns;
-  if (const auto placement = connection_.PopBasePose()) {
-    placement_ = placement;
-    placement_patience_ns_ = 0;
-    placement_came_.store(true, std::memory_order_release);
+  if (connected && !was_connected_ && base_pose_asked_) base_pose_patience_ns_ = now_ns + kBasePosePatience_ns;
+  if (const auto base_pose = connection_.PopBasePose()) {
+    base_pose_ = base_pose;
+    base_pose_patience_ns_ = 0;
+    base_pose_came_.store(true, std::memory_order_release);
   }
   for (const protocol::Notice& notice : connection_.PopNotices())
     log_.Line(std::string("service says: ") + notice.text);
@@ -120,15 +120,15 @@ void ServiceLink::AwaitForceProperties() {
 
 void ServiceLink::RequestBasePose(const protocol::BasePoseRequest& request) {
   const std::lock_guard lock(mutex_);
-  placement_asked_ = true;
-  if (connection_.RequestBasePose(request)) placement_patience_ns_ = base::MonotonicNow_ns() + kBasePosePatience_ns;
+  base_pose_asked_ = true;
+  if (connection_.RequestBasePose(request)) base_pose_patience_ns_ = base::MonotonicNow_ns() + kBasePosePatience_ns;
 }
 
 std::optional<protocol::BasePose> ServiceLink::PopBasePose() {
-  if (!placement_came_.load(std::memory_order_acquire)) return std::nullopt;
+  if (!base_pose_came_.load(std::memory_order_acquire)) return std::nullopt;
   const std::lock_guard lock(mutex_);
-  placement_came_.store(false, std::memory_order_relaxed);
-  return std::exchange(placement_, std::nullopt);
+  base_pose_came_.store(false, std::memory_order_relaxed);
+  return std::exchange(base_pose_, std::nullopt);
 }
 
 void ServiceLink::SendSpaceChange(const protocol::SpaceChange& change) {
@@ -157,7 +157,7 @@ PenSnapshot ServiceLink::Read(std::int64_t now_ns) const {
   const std::shared_ptr<const client::StateReader> state = reader();
   if (!state || !state->Newest(pen.sample) || !state->Inputs(pen.inputs)) return pen;
   pen.service_instance = state->service_instance();
-  const bool placed = now_ns >= placement_patience_ns_.load(std::memory_order_relaxed);
+  const bool placed = now_ns >= base_pose_patience_ns_.load(std::memory_order_relaxed);
   pen.present =
       placed && now_ns - pen.sample.t_ns <= kPresenceTimeout_ns && (pen.sample.flags & protocol::kToolPoseValid) != 0;
   return pen;

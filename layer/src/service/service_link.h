@@ -93,11 +93,11 @@ class ServiceLink {
   protocol::SessionState session_ = protocol::SessionState::kNone;
   bool was_connected_ = false;
   std::string last_error_;
-  bool placement_asked_ = false;
-  std::optional<protocol::BasePose> placement_;
-  std::atomic<bool> placement_came_{false};
+  bool base_pose_asked_ = false;
+  std::optional<protocol::BasePose> base_pose_;
+  std::atomic<bool> base_pose_came_{false};
   // Until then the pen is absent for a session that waits for its placement: it would jump. 0: no session waits.
-  std::atomic<std::int64_t> placement_patience_ns_{0};
+  std::atomic<std::int64_t> base_pose_patience_ns_{0};
   std::atomic<std::int64_t> next_poll_ns_{0};
   std::atomic<std::uint64_t> connection_number_{0};
   std::atomic<bool> force_properties_awaited_{false};

@@ -23,11 +23,11 @@ BasePose ToBasePose(const protocol::BasePose& received) {
   if (off || received.known == 0) return Guess(!off && front);
   const auto& p = received.base_space.position_m;
   const auto& q = received.base_space.orientation_wxyz;
-  BasePose placement;
-  placement.space = static_cast<XrReferenceSpaceType>(received.space);
-  placement.X_LO = {{p[0], p[1], p[2]}, glm::normalize(glm::dquat(q[0], q[1], q[2], q[3]))};
-  placement.tracked = received.doubtful == 0;
-  return placement;
+  BasePose base_pose;
+  base_pose.space = static_cast<XrReferenceSpaceType>(received.space);
+  base_pose.X_LO = {{p[0], p[1], p[2]}, glm::normalize(glm::dquat(q[0], q[1], q[2], q[3]))};
+  base_pose.tracked = received.doubtful == 0;
+  return base_pose;
 }
 
 protocol::WirePose ToWire(const XrPosef& pose) {
@@ -40,7 +40,7 @@ protocol::WirePose ToWire(const XrPosef& pose) {
 void Alignment::RequestBasePose(Session& session, XrSystemId system) {
   BasePose guess = Guess(true);
   guess.tracked = instance_.link.test() != nullptr;  // a conformance test sets the device's pose itself
-  session.placement.Set(guess, 0);
+  session.base_pose.Set(guess, 0);
   XrInstanceProperties runtime{XR_TYPE_INSTANCE_PROPERTIES, nullptr, 0, {}};
   XrSystemProperties headset{XR_TYPE_SYSTEM_PROPERTIES, nullptr, 0, 0, {}, {}, {}};
   if (XR_FAILED(instance_.next.GetInstanceProperties(instance_.handle, &runtime)) ||
@@ -69,10 +69,10 @@ void Alignment::Poll() {
   const std::int64_t known_until_ns =
       std::max(base::MonotonicNow_ns(),
                received->changes_until_ns == 0 ? 0 : received->changes_until_ns + protocol::kSameChange_ns);
-  BasePose placement = ToBasePose(*received);
-  if (instance_.link.test() != nullptr) placement.valid = placement.tracked = true;
+  BasePose base_pose = ToBasePose(*received);
+  if (instance_.link.test() != nullptr) base_pose.valid = base_pose.tracked = true;
   for (const auto& session : instance_.sessions.Values())
-    session->placement.Set(placement, instance_.clock.ToXr(known_until_ns));
+    session->base_pose.Set(base_pose, instance_.clock.ToXr(known_until_ns));
   if (received->known == 0) instance_.log.Line("this headset is not aligned with the base: run `omni align`");
 }
 
@@ -83,7 +83,7 @@ void Alignment::OnSpaceChange(XrEventDataReferenceSpaceChangePending change) {
   const bool in_range = protocol::PoseProblem(ToWire(change.poseInPreviousSpace)) == nullptr;
   if (!in_range) change.poseValid = XR_FALSE;
   const bool news = ReportChange(change);
-  if (!news || session->placement.OnChange(change)) return;
+  if (!news || session->base_pose.OnChange(change)) return;
   instance_.log.Line(
       "the runtime moves the origin of the base's reference space to an unknown place: the pen's poses are no longer "
       "tracked; run `omni align` again");

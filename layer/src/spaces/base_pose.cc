@@ -16,9 +16,9 @@ Pose DefaultBasePose() {
   return {{0.0, -kBelow_m, -kInFront_m}, glm::dquat(h, -h, 0.0, 0.0)};
 }
 
-void BasePoseHistory::Set(const BasePose& placement, XrTime now) {
+void BasePoseHistory::Set(const BasePose& base_pose, XrTime now) {
   const std::unique_lock lock(mutex_);
-  epochs_.assign(1, {std::numeric_limits<XrTime>::min(), placement});
+  epochs_.assign(1, {std::numeric_limits<XrTime>::min(), base_pose});
   for (const auto& change : changes_)
     if (change.changeTime > now) Append(change);
 }
@@ -32,12 +32,12 @@ bool BasePoseHistory::OnChange(const XrEventDataReferenceSpaceChangePending& cha
 
 bool BasePoseHistory::Append(const XrEventDataReferenceSpaceChangePending& change) {
   Epoch next = epochs_.back();
-  if (change.referenceSpaceType != next.placement.space) return true;
+  if (change.referenceSpaceType != next.base_pose.space) return true;
   next.since = change.changeTime;
   if (change.poseValid) {
-    next.placement.X_LO = Compose(Inverse(FromXr(change.poseInPreviousSpace)), next.placement.X_LO);
+    next.base_pose.X_LO = Compose(Inverse(FromXr(change.poseInPreviousSpace)), next.base_pose.X_LO);
   } else {
-    next.placement.tracked = false;
+    next.base_pose.tracked = false;
   }
   if (epochs_.size() >= kMostEpochs) epochs_.erase(epochs_.begin());
   epochs_.push_back(next);
@@ -47,8 +47,8 @@ bool BasePoseHistory::Append(const XrEventDataReferenceSpaceChangePending& chang
 BasePose BasePoseHistory::At(XrTime time) const {
   const std::shared_lock lock(mutex_);
   for (std::size_t i = epochs_.size(); i-- > 1;)
-    if (time >= epochs_[i].since) return epochs_[i].placement;
-  return epochs_.front().placement;
+    if (time >= epochs_[i].since) return epochs_[i].base_pose;
+  return epochs_.front().base_pose;
 }
 
 }  // namespace omni::layer

@@ -31,7 +31,7 @@ class BasePoseHistory {
   static constexpr std::size_t kMostEpochs = 16;
 
   // Replaces what was known, for every time. Changes of L that were announced and come after `now` still apply.
-  void Set(const BasePose& placement, XrTime now);
+  void Set(const BasePose& base_pose, XrTime now);
 
   // Call once per event. False: the origin of L moves to an unknown place, so tracking ends at `changeTime`.
   bool OnChange(const XrEventDataReferenceSpaceChangePending& change);
@@ -42,7 +42,7 @@ class BasePoseHistory {
  private:
   struct Epoch {
     XrTime since = 0;
-    BasePose placement;
+    BasePose base_pose;
   };
   bool Append(const XrEventDataReferenceSpaceChangePending& change);
 

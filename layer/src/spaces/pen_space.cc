@@ -28,17 +28,17 @@ Side SideOf(const Instance& instance, XrSpace handle) {
 
 PenAt PenAtTime(const Instance& instance, const Session& session, XrTime time) {
   PenAt pen;
-  pen.placement = session.placement.At(time);
-  pen.anchor = session.Anchor(pen.placement.space);
+  pen.base_pose = session.base_pose.At(time);
+  pen.anchor = session.Anchor(pen.base_pose.space);
   if (const auto reader = instance.link.reader())
     pen.tool = ToolMotionAt(*reader, instance.clock.ToMonotonic(time), base::MonotonicNow_ns());
   return pen;
 }
 
 Located PenAt::Locate(const Pose& X_TS) const noexcept {
-  if (!anchor || !placement.valid) return {};
-  Located out = PenIn(placement.X_LO, tool, X_TS);
-  if (!placement.tracked) out.flags &= ~kTracked;
+  if (!anchor || !base_pose.valid) return {};
+  Located out = PenIn(base_pose.X_LO, tool, X_TS);
+  if (!base_pose.tracked) out.flags &= ~kTracked;
   return out;
 }
 

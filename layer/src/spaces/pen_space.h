@@ -25,7 +25,7 @@ Side SideOf(const Instance& instance, XrSpace handle);
 // The pen at one time in one session: what all spaces of a call share.
 struct PenAt {
   XrSpace anchor = XR_NULL_HANDLE;  // L as the runtime knows it; null: the pen has no pose
-  BasePose placement;
+  BasePose base_pose;
   ToolMotion tool;
 
   // S in L.

@@ -114,13 +114,13 @@ XrResult Locator::LocateInBase(const Session& session, XrSpace space, XrTime tim
   XrSpaceVelocity velocity{XR_TYPE_SPACE_VELOCITY, nullptr, 0, {0, 0, 0}, {0, 0, 0}};
   XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, &velocity, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
   const XrResult result = instance_.next.LocateSpace(space, pen.anchor, time, &location);
-  if (XR_FAILED(result) || s.served_by == kServedByNobody || !pen.placement.valid) return result;
+  if (XR_FAILED(result) || s.served_by == kServedByNobody || !pen.base_pose.valid) return result;
   Side anchor;
   anchor.served_by = 0;  // stands for L, as a space of the pen does
   const Located X_LS = FromBelow({&location.locationFlags, &location.pose}, FieldsOf(&velocity), s, anchor);
   Located X_LO;
-  X_LO.motion.X = pen.placement.X_LO;
-  X_LO.flags = pen.placement.tracked ? kValid | kTracked : kValid;
+  X_LO.motion.X = pen.base_pose.X_LO;
+  X_LO.flags = pen.base_pose.tracked ? kValid | kTracked : kValid;
   X_LO.velocity_flags = kVelocityValid;
   X_OS = Chain(Invert(X_LO), X_LS);
   return result;

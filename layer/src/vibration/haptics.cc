@@ -1,13 +1,7 @@
-// The next layer is called first wherever its device is involved: it validates, and its answer is returned. What it
-// does not know (our extensions on a runtime without them) is validated here.
-#include "layer/src/vibration/vibrations.h"
+#include "layer/src/vibration/haptics.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-
-#include "layer/src/instance/instance.h"
-#include "service/base/clock.h"
 
 namespace omni::layer {
 namespace {
@@ -26,13 +20,6 @@ std::vector<float> Shrunk(const float* values, std::size_t count, std::size_t mo
     for (std::size_t k = from; k < to; ++k) sum += static_cast<double>(values[k]);
     out[i] = static_cast<float>(sum / static_cast<double>(to - from));
   }
-  return out;
-}
-
-template <class T>
-T ReadAs(const XrHapticBaseHeader* haptic) {
-  T out;
-  std::memcpy(&out, haptic, sizeof(out));
   return out;
 }
 
@@ -96,142 +83,6 @@ void PcmBacklog::Clear() {
   const std::lock_guard lock(mutex_);
   action_ = XR_NULL_HANDLE;
   end_ns_ = 0;
-}
-
-// Calls with doubtful arguments are left to the runtime, which returns the right error.
-Vibrations::Channels Vibrations::Route(XrSession session, const XrHapticActionInfo* info) const {
-  if (!info || info->type != XR_TYPE_HAPTIC_ACTION_INFO) return {};
-  const auto record = instance_.sessions.Find(session);
-  const auto action = record ? instance_.actions.Find(info->action) : nullptr;
-  if (!action || action->type != XR_ACTION_TYPE_VIBRATION_OUTPUT) return {};
-  if (!record->focused) return {};
-  const std::shared_lock lock(record->mutex);
-  const SessionActions& state = record->actions;
-  if (!state.attached(*action->set) || !state.pen_owns_hand()) return {};
-  const bool our_hand = info->subactionPath == state.hand_path() && action->Declares(state.hand_path());
-  return {state.HapticBound(*action, info->subactionPath), !our_hand};
-}
-
-XrResult Vibrations::ApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info,
-                                         const XrHapticBaseHeader* haptic) {
-  instance_.Alive();
-  if (haptic && haptic->type == XR_TYPE_HAPTIC_VIBRATION) return ApplyTone(session, info, haptic);
-  if (haptic && haptic->type == XR_TYPE_HAPTIC_AMPLITUDE_ENVELOPE_VIBRATION_FB &&
-      instance_.Enabled(XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME))
-    return ApplyEnvelope(session, info, haptic);
-  if (haptic && haptic->type == XR_TYPE_HAPTIC_PCM_VIBRATION_FB && instance_.Enabled(XR_FB_HAPTIC_PCM_EXTENSION_NAME))
-    return ApplyPcm(session, info, haptic);
-  return instance_.next.ApplyHapticFeedback(session, info, haptic);
-}
-
-XrResult Vibrations::ApplyTone(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic) {
-  const Channels route = Route(session, info);
-  const XrResult result = route.to_runtime ? instance_.next.ApplyHapticFeedback(session, info, haptic) : XR_SUCCESS;
-  if (!route.to_pen || result != XR_SUCCESS) return result;
-  Play(ToPulse(ReadAs<XrHapticVibration>(haptic)));
-  return result;
-}
-
-void Vibrations::Play(const Pulse& pulse) {
-  backlog_.Clear();
-  instance_.link.Haptic(pulse.duration_ns, pulse.amplitude, pulse.frequency_Hz);
-}
-
-void Vibrations::Stop() {
-  backlog_.Clear();
-  instance_.link.HapticStop();
-}
-
-// A runtime that does not know the shape gets the closest plain vibration: its devices vibrate, and it checks handles
-// and paths.
-XrResult Vibrations::ShapeBelow(bool only_ours, XrSession session, const XrHapticActionInfo* info,
-                                const XrHapticBaseHeader* haptic, const std::optional<ShapedVibration>& shaped) const {
-  if (!only_ours) return instance_.next.ApplyHapticFeedback(session, info, haptic);
-  const XrHapticVibration plain = WithoutShape(*shaped);
-  return instance_.next.ApplyHapticFeedback(session, info,
-                                            static_cast<const XrHapticBaseHeader*>(static_cast<const void*>(&plain)));
-}
-
-XrResult Vibrations::ApplyEnvelope(XrSession session, const XrHapticActionInfo* info,
-                                   const XrHapticBaseHeader* haptic) {
-  const Channels route = Route(session, info);
-  const bool only_ours = instance_.OnlyOurs(XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME);
-  const auto shaped = ReadEnvelope(ReadAs<XrHapticAmplitudeEnvelopeVibrationFB>(haptic));
-  if (!shaped && (only_ours || route.to_pen)) return XR_ERROR_VALIDATION_FAILURE;
-  const XrResult result = route.to_runtime ? ShapeBelow(only_ours, session, info, haptic, shaped) : XR_SUCCESS;
-  if (!route.to_pen || result != XR_SUCCESS) return result;
-  backlog_.Clear();
-  instance_.link.Waveform(shaped->waveform, shaped->samples);
-  return result;
-}
-
-XrResult Vibrations::ApplyPcm(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic) {
-  const Channels route = Route(session, info);
-  const bool only_ours = instance_.OnlyOurs(XR_FB_HAPTIC_PCM_EXTENSION_NAME);
-  const auto pcm = ReadAs<XrHapticPcmVibrationFB>(haptic);
-  auto shaped = ReadPcm(pcm);
-  if (!shaped && (only_ours || route.to_pen)) return XR_ERROR_VALIDATION_FAILURE;
-  if (pcm.samplesConsumed) *pcm.samplesConsumed = 0;
-  const XrResult result = route.to_runtime ? ShapeBelow(only_ours, session, info, haptic, shaped) : XR_SUCCESS;
-  if (result != XR_SUCCESS) return result;
-  if (only_ours && !route.to_pen) *pcm.samplesConsumed = static_cast<std::uint32_t>(shaped->samples.size());
-  if (!route.to_pen) return result;
-  // Two devices: what the other has not taken will be sent again.
-  if (route.to_runtime && !only_ours)
-    shaped->samples.resize(std::min<std::size_t>(shaped->samples.size(), *pcm.samplesConsumed));
-  const std::uint32_t taken = PlayPcm(info->action, *shaped);
-  *pcm.samplesConsumed = taken;
-  return result;
-}
-
-// How many samples the service has taken.
-std::uint32_t Vibrations::PlayPcm(XrAction action, ShapedVibration& pcm) {
-  bool continues = false;
-  pcm.samples.resize(backlog_.Book(action, pcm, base::MonotonicNow_ns(), continues));
-  pcm.waveform.append = continues ? 1 : 0;
-  if (pcm.samples.empty()) return 0;
-  if (instance_.link.Waveform(pcm.waveform, pcm.samples)) return static_cast<std::uint32_t>(pcm.samples.size());
-  backlog_.Clear();  // nothing plays: the application tries again
-  return 0;
-}
-
-XrResult Vibrations::StopHapticFeedback(XrSession session, const XrHapticActionInfo* info) {
-  instance_.Alive();
-  const Channels route = Route(session, info);
-  const XrResult result = route.to_runtime ? instance_.next.StopHapticFeedback(session, info) : XR_SUCCESS;
-  if (route.to_pen && result == XR_SUCCESS) Stop();
-  return result;
-}
-
-// [xrGetDeviceSampleRateFB] The pen's coils for the pen's hand; without the extension below, 0 for all else.
-XrResult Vibrations::GetDeviceSampleRateFB(XrSession session, const XrHapticActionInfo* info,
-                                           XrDevicePcmSampleRateStateFB* rate) {
-  instance_.link.Beat();
-  const auto record = instance_.sessions.Find(session);
-  const bool readable =
-      info && info->type == XR_TYPE_HAPTIC_ACTION_INFO && rate && rate->type == XR_TYPE_DEVICE_PCM_SAMPLE_RATE_STATE_FB;
-  const auto action = record && readable ? instance_.actions.Find(info->action) : nullptr;
-  if (action && action->type == XR_ACTION_TYPE_VIBRATION_OUTPUT) {
-    const std::shared_lock lock(record->mutex);
-    const bool declared = info->subactionPath == XR_NULL_PATH || action->Declares(info->subactionPath);
-    const bool bound = record->actions.HapticBound(*action, info->subactionPath);
-    if (declared && bound) {
-      rate->sampleRate = protocol::kDeviceSampleRate_Hz;
-      return XR_SUCCESS;
-    }
-  }
-  if (instance_.next.GetDeviceSampleRateFB) return instance_.next.GetDeviceSampleRateFB(session, info, rate);
-  if (!record) return XR_ERROR_HANDLE_INVALID;
-  if (!readable) return XR_ERROR_VALIDATION_FAILURE;
-  if (!action) return XR_ERROR_HANDLE_INVALID;
-  if (action->type != XR_ACTION_TYPE_VIBRATION_OUTPUT) return XR_ERROR_ACTION_TYPE_MISMATCH;
-  if (info->subactionPath != XR_NULL_PATH && !action->Declares(info->subactionPath)) {
-    return instance_.PathText(info->subactionPath).empty() ? XR_ERROR_PATH_INVALID : XR_ERROR_PATH_UNSUPPORTED;
-  }
-  const std::shared_lock lock(record->mutex);
-  if (!record->actions.attached(*action->set)) return XR_ERROR_ACTIONSET_NOT_ATTACHED;
-  rate->sampleRate = 0;
-  return XR_SUCCESS;
 }
 
 }  // namespace omni::layer

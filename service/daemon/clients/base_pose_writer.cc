@@ -22,12 +22,12 @@ void BasePoseWriter::Answer(ipc::ClientId id, std::uint32_t number, const BasePo
   late_.push_back({requested_, id, number, done.text});  // it is true once the file is written
 }
 
-void BasePoseWriter::HandleWritten(BasePoses& placements) {
+void BasePoseWriter::HandleWritten(BasePoses& base_poses) {
   while (const std::optional<FileWriter::Written> written = writer_.PopWritten()) {
     const base::Status& status = written->status;
     written_ = written->number;
-    if (!status.ok() && status.error() != placements.problem()) spdlog::warn("{}", status.error());
-    placements.Written(status);
+    if (!status.ok() && status.error() != base_poses.problem()) spdlog::warn("{}", status.error());
+    base_poses.Written(status);
     std::erase_if(late_, [&](const LateReply& late) {
       if (late.written > written->number) return false;
       reply_(late.id, late.number, status.ok(),

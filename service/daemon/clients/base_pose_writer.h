@@ -21,7 +21,7 @@ class BasePoseWriter {
   // After BasePoses::Do: replies at once, or when its change is written.
   void Answer(ipc::ClientId id, std::uint32_t number, const BasePoses::Done& done);
   // Once per period: handles completed writes.
-  void HandleWritten(BasePoses& placements);
+  void HandleWritten(BasePoses& base_poses);
 
  private:
   struct LateReply {

@@ -286,24 +286,24 @@ BasePoses::Done BasePoses::SetPolicy(const protocol::BasePoseCommand& command) {
 void BasePoses::Notify(const std::function<bool(ipc::ClientId, const protocol::BasePose&)>& send) {
   for (auto& [id, client] : clients_) {
     if (client.reported) continue;
-    protocol::BasePose placement;
-    placement.uncalibrated = static_cast<protocol::Uncalibrated>(file_.uncalibrated);
+    protocol::BasePose base_pose;
+    base_pose.uncalibrated = static_cast<protocol::Uncalibrated>(file_.uncalibrated);
     if (const int found = FindFor(client.request); found >= 0) {
       const config::AlignmentEntry& entry = file_.entries[static_cast<std::size_t>(found)];
       const Live& live = live_[static_cast<std::size_t>(found)];
       const base::Quat& q = entry.orientation_space;
       const base::Vec3& p = entry.position_space_m;
-      placement.known = 1;
-      placement.doubtful = entry.doubtful ? 1 : 0;
-      placement.space = entry.space;
-      placement.base_space = {.position_m = {p.x, p.y, p.z}, .orientation_wxyz = {q.w, q.x, q.y, q.z}};
-      placement.expected_error_m = 1e-3 * entry.expected_error_mm;
-      placement.rotation_sigma_rad = entry.rotation_deg / 57.29577951308232;
-      placement.measured_unix_s = UnixSeconds(entry.date);
-      placement.changes_until_ns = live.changes_until_ns;
-      placement.revision = live.revision;
+      base_pose.known = 1;
+      base_pose.doubtful = entry.doubtful ? 1 : 0;
+      base_pose.space = entry.space;
+      base_pose.base_space = {.position_m = {p.x, p.y, p.z}, .orientation_wxyz = {q.w, q.x, q.y, q.z}};
+      base_pose.expected_error_m = 1e-3 * entry.expected_error_mm;
+      base_pose.rotation_sigma_rad = entry.rotation_deg / 57.29577951308232;
+      base_pose.measured_unix_s = UnixSeconds(entry.date);
+      base_pose.changes_until_ns = live.changes_until_ns;
+      base_pose.revision = live.revision;
     }
-    client.reported = send(id, placement);
+    client.reported = send(id, base_pose);
   }
 }
 

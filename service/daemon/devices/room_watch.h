@@ -1,5 +1,5 @@
 // What is wrong with sensors or with the room, from samples of the loop. On the thread that keeps the device, never in
-// the tick. docs/howto/calibrate.md, What is said of the room
+// the tick. docs/howto/calibrate.md, Problems with sensors and the room
 #pragma once
 
 #include <cstdint>
