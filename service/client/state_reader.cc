@@ -26,7 +26,8 @@ std::string HeaderProblem(const StateHeader& header) {
   }
   const bool same_layout = header.total_bytes == sizeof(StateMemory) && header.ring_capacity == mine.ring_capacity &&
                            header.slot_bytes == mine.slot_bytes && header.input_bytes == mine.input_bytes &&
-                           header.contact_bytes == mine.contact_bytes && header.vehicle_bytes == mine.vehicle_bytes;
+                           header.contact_bytes == mine.contact_bytes && header.vehicle_bytes == mine.vehicle_bytes &&
+                           header.telemetry_bytes == mine.telemetry_bytes;
   return same_layout ? std::string()
                      : "has a different layout than this client was built for; install the same Omni version for both";
 }
@@ -87,6 +88,17 @@ bool StateReader::Earlier(std::uint32_t back, ToolSample& sample) const noexcept
     if (ReadSlot(published - 1 - std::min<std::uint64_t>(back, kept - 1), sample)) return true;
   }
   return false;
+}
+
+std::uint64_t StateReader::published() const noexcept { return PublishedCount(*memory_); }
+
+bool StateReader::At(std::uint64_t index, ToolSample& sample, protocol::TelemetrySample& telemetry) const noexcept {
+  protocol::TelemetrySample copy;
+  if (index >= PublishedCount(*memory_) || !ReadSlot(index, sample)) return false;
+  if (protocol::LoadCell(memory_->telemetry[index % kRingCapacity], copy) != protocol::SequenceOf(index)) return false;
+  if (!protocol::InRange(copy)) return false;
+  telemetry = copy;
+  return true;
 }
 
 template <class Block, class Snapshot>

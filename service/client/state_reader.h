@@ -36,6 +36,12 @@ class StateReader {
   // before the oldest kept: both are the oldest. False as for Newest.
   bool Around(std::int64_t t_ns, protocol::ToolSample& before, protocol::ToolSample& after) const noexcept;
 
+  // Publications so far; the newest is published() - 1.
+  std::uint64_t published() const noexcept;
+
+  // Of one publication. False: not published yet, overwritten (the newest kRingCapacity - 1 are kept), or out of range.
+  bool At(std::uint64_t index, protocol::ToolSample& sample, protocol::TelemetrySample& telemetry) const noexcept;
+
   bool Inputs(protocol::InputSnapshot& inputs) const noexcept;
 
   // What the tip touches now. False as for Newest.

@@ -155,6 +155,16 @@ struct Service::RequestHandler {
     if (std::is_same_v<M, protocol::ForceClaim>) service.SendForceProperties();
   }
 
+  void operator()(const protocol::EmergencyStop& stop) const {
+    const auto found = service.clients_.find(id);
+    const std::string who = found == service.clients_.end() ? "a client" : found->second.info.application;
+    const bool on = stop.on != 0;
+    if (on == !service.stopped_by_.empty()) return;
+    service.stopped_by_ = on ? who : "";
+    service.vibration_.Stop();
+    spdlog::warn("emergency stop: {} by {}", on ? "pressed" : "released", who);
+    Commit();
+  }
   void operator()(const protocol::SurfaceRequest& request) const {
     if (service.clients_.count(id) != 0) service.surfaces_.Request(id, request.wanted != 0);
   }
@@ -332,7 +342,7 @@ void Service::WriteCommands(std::int64_t now_ns) {
   force_.SetOwner(owner);
   const std::int64_t beat_ns = owner == 0 || server_ == nullptr ? 0 : server_->LastBeat_ns(owner);
   loop::Commands commands{.t_ns = now_ns,
-                          .gate = owners_.Gate(now_ns, beat_ns),
+                          .gate = stopped_by_.empty() ? owners_.Gate(now_ns, beat_ns) : loop::ForceGate::kClosed,
                           .idle = owners_.empty(),
                           .scene_generation = generation_,
                           .force_scale = client == nullptr || client->app == nullptr ? 1.0 : client->app->force_scale,
@@ -405,7 +415,11 @@ std::string Service::StatusJson() {
   StatusInput input{.version = options_.version,
                     .instance = options_.instance,
                     .uptime_s = static_cast<double>(base::MonotonicNow_ns() - start_ns_) * 1e-9,
+                    .stopped_by = stopped_by_,
                     .problems = problems_};
+  if (!stopped_by_.empty())
+    input.problems.push_back("emergency stop, by " + stopped_by_ +
+                             ": no force until it is released (omni stop --release)");
   for (const auto& [id, client] : clients_) {
     const std::shared_ptr<const BuiltScene> scene = SceneOf(id);
     input.clients.push_back({.id = id,
@@ -429,6 +443,10 @@ std::string Service::StatusJson() {
   input.scene_generation = generation_;
   if (wanted_ != nullptr) {
     input.scene_file = wanted_->file;
+    const auto loader = clients_.find(wanted_->client);  // a document's job is no client
+    if (loader != clients_.end() && loader->second.app != nullptr) {
+      input.scene_load = LoadOptionsOf(*loader->second.app, options_.hull_radius_m);
+    }
     input.scene_triangles = TrianglesOf(*wanted_->scene);
     input.scene_soft = builder_.Progress(wanted_->client);
     input.scene_sculpted = SculptedOf(*wanted_->scene);

@@ -119,6 +119,7 @@ class Service : public ipc::ServerHandler {
   ForceClients force_;
   BasePoseWriter base_pose_writer_;
   BasePoses base_poses_;
+  std::string stopped_by_;             // emergency stop: who pressed it; empty: it is released
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
 
   std::mutex loop_mutex_;

@@ -32,6 +32,11 @@ void StatePublisher::Publish(const protocol::ToolSample& sample, const protocol:
   memory_->header.published.store(published_, std::memory_order_release);
 }
 
+void StatePublisher::PublishTelemetry(const protocol::TelemetrySample& telemetry) noexcept {
+  protocol::StoreCell(memory_->telemetry[published_ % protocol::kRingCapacity], protocol::SequenceOf(published_),
+                      protocol::Clamped(telemetry));
+}
+
 void StatePublisher::PublishContacts(const protocol::ContactSnapshot& contacts) noexcept {
   const bool as_before = contacts.count == 0 && contact_count_ == 0 && contact_generation_ == contacts.scene_generation;
   if (as_before && contacts_published_ > 0) return;

@@ -27,8 +27,11 @@ class StatePublisher {
   // scene. Contacts that are out of range are omitted.
   void PublishContacts(const protocol::ContactSnapshot& contacts) noexcept;
 
-  // Likewise, while the scene has a car, and once when it no longer has one. One that is out of range is published as
-  // none.
+  // Tick thread only, before Publish of the same scan. Numbers that are out of range are clamped.
+  void PublishTelemetry(const protocol::TelemetrySample& telemetry) noexcept;
+
+  // As contacts, while the scene has a car, and once when it no longer has one. One that is out of range is published
+  // as none.
   void PublishVehicle(const protocol::VehicleSnapshot& vehicle) noexcept;
 
   int fd() const { return memory_file_.fd.get(); }                 // to be passed to clients; stays ours

@@ -92,11 +92,17 @@ struct TickStatistics {
   FitStatistics fit;
 };
 
+// How long a tick took: Tick alone; from the Hall sample until its currents were sent.
+struct TickTimes {
+  std::int64_t tick_ns = 0;
+  std::int64_t latency_ns = 0;
+};
+
 // Receives every tick on the tick thread: must not block, allocate or call the system.
 class TickSink {
  public:
   virtual ~TickSink() = default;
-  virtual void Publish(const TickOutput& output) noexcept = 0;
+  virtual void Publish(const TickOutput& output, const base::HallScan& scan, const TickTimes& times) noexcept = 0;
 };
 
 }  // namespace omni::loop

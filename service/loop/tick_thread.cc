@@ -85,7 +85,7 @@ void TickThread::Once(const base::HallScan& scan) noexcept {
   record_.done_ns = base::MonotonicNow_ns();
   const std::int64_t latency_ns = base::StampDifference_ns(record_.done_ns, scan.t_ns);
   record_.late = latency_ns > kLate_ns;
-  sink_.Publish(record_.output);
+  sink_.Publish(record_.output, scan, {.tick_ns = end_ns - begin_ns, .latency_ns = latency_ns});
   statistics_->tick_time.Add(end_ns - begin_ns);
   statistics_->latency.Add(latency_ns);
   statistics_->ticks.fetch_add(1, std::memory_order_relaxed);

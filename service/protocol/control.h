@@ -15,8 +15,9 @@
 namespace omni::protocol {
 
 inline constexpr std::uint32_t kMessageMagic = 0x494E4D4F;  // "OMNI"
-// 2: scene commands, surfaces; 3: see docs/protocol/ipc.md. Incremented when a message changes its size or meaning.
-inline constexpr std::uint16_t kProtocolVersion = 3;
+// 2: scene commands, surfaces; 3: see docs/protocol/ipc.md; 4: emergency stop, telemetry. Incremented when a message
+// changes its size or meaning.
+inline constexpr std::uint16_t kProtocolVersion = 4;
 inline constexpr std::size_t kMaterialBytes = 88;  // of base::MaterialParameters in this version
 inline constexpr std::size_t kMaxMessageBytes = 65536;
 inline constexpr std::size_t kMaxSocketPathBytes = 107;
@@ -86,6 +87,14 @@ struct HapticStop {
 
 struct StatusRequest {
   MessageHeader header{.type = MessageType::kStatusRequest, .size = sizeof(StatusRequest)};
+};
+
+// on: no force, no vibration, coils at zero, whatever applications request, until someone sends it with on = 0, or
+// omnid ends. Applications can neither send nor release it.
+struct EmergencyStop {
+  MessageHeader header{.type = MessageType::kEmergencyStop, .size = sizeof(EmergencyStop)};
+  std::uint32_t on = 1;  // 0 released, 1 stopped
+  std::uint32_t reserved = 0;
 };
 
 // The newest request counts. Answered with Surfaces at once and again whenever the memory is another one.

@@ -35,6 +35,7 @@ enum class Delivery : std::uint8_t { kOnce, kRepeated };
   ROW(Haptic, 5, Haptic, kApplications, Pace::kStream, 0)                        \
   ROW(HapticStop, 6, HapticStop, kApplications, Pace::kStream, 0)                \
   ROW(Waveform, 14, ShapedHaptic, kApplications, Pace::kStream, 0)               \
+  ROW(EmergencyStop, 15, EmergencyStop, kMonitors | kTools, Pace::kStream, 0)    \
   ROW(SceneCommand, 10, SceneCommand, kAllRoles, Pace::kAnswered, 0)             \
   ROW(SurfaceRequest, 12, SurfaceRequest, kAllRoles, Pace::kStream, 0)           \
   ROW(ForceClaim, 20, ForceClaim, kApplications, Pace::kStream, 0)               \

@@ -29,6 +29,19 @@ bool ContactInRange(const ContactSample& contact) noexcept {
          std::abs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1) <= kUnitTolerance;
 }
 
+// Calls `visit` with each of its floating point numbers. `Telemetry`: the sample, constant or not.
+template <class Telemetry, class Visit>
+void VisitValues(Telemetry& telemetry, const Visit& visit) noexcept {
+  for (auto* values : {&telemetry.current_A, &telemetry.measured_A, &telemetry.coil_C, &telemetry.ambient_T}) {
+    for (auto& value : *values) visit(value);
+  }
+  for (auto& value : telemetry.tip_variance_m2) visit(value);
+  for (auto* value : {&telemetry.supply_V, &telemetry.fit_chi2, &telemetry.field_T, &telemetry.stray_T,
+                      &telemetry.model_error, &telemetry.gate}) {
+    visit(*value);
+  }
+}
+
 }  // namespace
 
 bool InRange(const ToolSample& sample) noexcept {
@@ -65,6 +78,12 @@ bool InRange(const VehicleSnapshot& vehicle) noexcept {
                                       vehicle.best_lap_s};
   return TimeInRange(vehicle.t_ns) && vehicle.on <= 1 && vehicle.sliding <= 1 &&
          ValuesInRange(vehicle.position_base_m) && ValuesInRange(scalars);
+}
+
+bool InRange(const TelemetrySample& telemetry) noexcept {
+  bool in_range = true;
+  VisitValues(telemetry, [&](const float& value) { in_range = in_range && std::abs(value) <= kLargestValue; });
+  return in_range;
 }
 
 ToolSample Clamped(const ToolSample& sample) noexcept {
@@ -111,6 +130,14 @@ VehicleSnapshot Clamped(const VehicleSnapshot& vehicle) noexcept {
   none.t_ns = std::clamp<std::int64_t>(vehicle.t_ns, 0, kLatestTime_ns);
   none.scene_generation = vehicle.scene_generation;
   return none;
+}
+
+TelemetrySample Clamped(const TelemetrySample& telemetry) noexcept {
+  TelemetrySample clamped = telemetry;
+  constexpr auto kLargest = static_cast<float>(kLargestValue);
+  VisitValues(clamped,
+              [kLargest](float& value) { value = std::isnan(value) ? 0 : std::clamp(value, -kLargest, kLargest); });
+  return clamped;
 }
 
 }  // namespace omni::protocol

@@ -17,6 +17,7 @@ bool InRange(const ToolSample& sample) noexcept;
 bool InRange(const InputSnapshot& inputs) noexcept;
 bool InRange(const ContactSnapshot& contacts) noexcept;
 bool InRange(const VehicleSnapshot& vehicle) noexcept;
+bool InRange(const TelemetrySample& telemetry) noexcept;
 
 // The sample itself if it is in range. Else: gap and sigma are clamped; if that does not help, there is no pose
 // (pose flags cleared, numbers at their defaults; time, joystick and alignment flags stay).
@@ -27,5 +28,7 @@ InputSnapshot Clamped(const InputSnapshot& inputs) noexcept;
 ContactSnapshot Clamped(const ContactSnapshot& contacts) noexcept;
 // Out of range: there is no car.
 VehicleSnapshot Clamped(const VehicleSnapshot& vehicle) noexcept;
+// Values are clamped to +-kLargestValue (NaN to 0).
+TelemetrySample Clamped(const TelemetrySample& telemetry) noexcept;
 
 }  // namespace omni::protocol

@@ -1,10 +1,11 @@
 // The state memory: a memfd written by omnid's tick thread, mapped read-only by clients.
 //
-//   [StateHeader][InputBlock][ContactBlock][VehicleBlock][RingSlot x kRingCapacity]
+//   [StateHeader][InputBlock][ContactBlock][VehicleBlock][RingSlot x kRingCapacity][TelemetrySlot x kRingCapacity]
 //
 // Every shared word is a lock-free std::atomic<uint64_t>. A slot is a seqlock: `sequence` is odd while the writer
 // is inside, and 2 * (publication index + 1) when slot `index % kRingCapacity` holds publication `index`.
-// Readers copy the words (acquire loads), check the sequence again and give up after 3 torn reads.
+// Readers copy the words (acquire loads), check the sequence again and give up after 3 torn reads. Telemetry of a
+// publication is in the slot of the same index, written before it counts as published.
 #pragma once
 
 #include <array>
@@ -15,7 +16,7 @@
 namespace omni::protocol {
 
 inline constexpr std::uint32_t kStateMagic = 0x54534D4F;  // "OMST"
-inline constexpr std::uint32_t kStateVersion = 3;         // 2: contacts; 3: vehicle
+inline constexpr std::uint32_t kStateVersion = 4;         // 2: contacts; 3: vehicle; 4: telemetry
 inline constexpr std::uint32_t kRingCapacity = 512;       // >= 250 ms at 1 kHz
 inline constexpr int kMaxTornReads = 3;
 
@@ -113,6 +114,30 @@ struct VehicleSnapshot {
 };
 static_assert(std::is_trivially_copyable_v<VehicleSnapshot> && sizeof(VehicleSnapshot) % 8 == 0);
 
+// How the device and the tick are, for people and monitors: of the scan of the ToolSample with the same index.
+struct TelemetrySample {
+  std::uint32_t tick_faults = 0;           // loop::TickFault bits
+  std::uint32_t device_faults = 0;         // wire::Fault bits (docs/protocol/faults.md)
+  std::uint32_t tool_limits = 0;           // base::ToolLimit bits
+  std::uint32_t sensors_left_out = 0;      // bit i: the tracker ignores sensor i
+  std::uint32_t saturated_mask = 0;        // bit 3 i + axis: that sensor axis is at its limit
+  std::uint32_t tick_ns = 0;               // how long Tick took
+  std::uint32_t latency_ns = 0;            // from the Hall sample until the currents were sent
+  std::uint32_t fit_dof = 0;               // degrees of freedom of the fit
+  std::array<float, 3> current_A{};        // as sent
+  std::array<float, 3> measured_A{};       // mean over the device's tick
+  std::array<float, 3> coil_C{};           // temperatures as the device estimates them
+  std::array<float, 3> ambient_T{};        // uniform field since the calibration, frame B
+  std::array<float, 2> tip_variance_m2{};  // of the device point, 1 sigma squared: worst direction, along the axis
+  float supply_V = 0;
+  float fit_chi2 = 0;     // of this scan's fit; fit_dof is expected
+  float field_T = 0;      // of the tool at the sensors, root mean square
+  float stray_T = 0;      // of other magnets, root mean square; 0: none
+  float model_error = 0;  // relative error of the tool's field in the calibration, as the tracker estimates it
+  float gate = 0;         // 0 ... 1, gain on everything rendered
+};
+static_assert(std::is_trivially_copyable_v<TelemetrySample> && sizeof(TelemetrySample) % 8 == 0);
+
 using Word = std::atomic<std::uint64_t>;
 static_assert(Word::is_always_lock_free && sizeof(Word) == 8);
 
@@ -127,6 +152,7 @@ using RingSlot = SeqlockCell<ToolSample>;
 using InputBlock = SeqlockCell<InputSnapshot>;
 using ContactBlock = SeqlockCell<ContactSnapshot>;
 using VehicleBlock = SeqlockCell<VehicleSnapshot>;
+using TelemetrySlot = SeqlockCell<TelemetrySample>;
 
 struct StateHeader {
   std::uint32_t magic = kStateMagic;
@@ -137,6 +163,8 @@ struct StateHeader {
   std::uint32_t input_bytes = sizeof(InputBlock);
   std::uint32_t contact_bytes = sizeof(ContactBlock);
   std::uint32_t vehicle_bytes = sizeof(VehicleBlock);
+  std::uint32_t telemetry_bytes = sizeof(TelemetrySlot);
+  std::uint32_t reserved = 0;
   std::uint64_t service_instance = 0;
   Word published{0};  // number of samples published so far; newest index = published - 1
 };
@@ -147,6 +175,7 @@ struct StateMemory {
   alignas(64) ContactBlock contacts;
   alignas(64) VehicleBlock vehicle;
   alignas(64) std::array<RingSlot, kRingCapacity> ring;
+  alignas(64) std::array<TelemetrySlot, kRingCapacity> telemetry;
 };
 
 // A client's own writable page. Every intercepted call adds one to `beat`: a sign of life without a system call.

@@ -59,6 +59,8 @@ const char* Problem(const Notice& notice) noexcept {
   return IsTerminated(notice.text) ? nullptr : "text is not terminated";
 }
 
+const char* Problem(const EmergencyStop& stop) noexcept { return stop.on <= 1 ? nullptr : "on is neither 0 nor 1"; }
+
 const char* Problem(const SurfaceRequest& request) noexcept {
   return request.wanted <= 1 ? nullptr : "wanted is neither 0 nor 1";
 }

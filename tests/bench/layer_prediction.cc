@@ -126,7 +126,7 @@ base::Result<SaidByHorizon> Play(const Motion& motion, std::uint64_t seed, const
   daemon::PublishSink sink(*memory.publisher);
   SaidByHorizon said;
   daemon::RunVirtual(*config, *twin, motion.scene, {}, [&](const base::HallScan& scan, const loop::TickOutput& output) {
-    sink.Publish(output);
+    sink.Publish(output, scan, {});
     if (output.tool.status != base::TrackingStatus::kTracking) return;
     const layer::ToolMotion now = layer::ToolMotionAt(*memory.reader, scan.t_ns, scan.t_ns);
     for (std::size_t h = 0; h < kHorizons_ms.size(); ++h) {

@@ -51,7 +51,8 @@ class HeldPen : public device::Transport {
 };
 
 struct NoSink : loop::TickSink {
-  void Publish(const loop::TickOutput& /*output*/) noexcept override {}
+  void Publish(const loop::TickOutput& /*output*/, const base::HallScan& /*scan*/,
+               const loop::TickTimes& /*times*/) noexcept override {}
 };
 
 class ServiceTest : public testing::Test {

@@ -285,7 +285,8 @@ TEST(SurfaceClients, NotifiesEachClientOncePerMemory) {
 }
 
 struct NowhereSink : loop::TickSink {
-  void Publish(const loop::TickOutput& /*output*/) noexcept override {}
+  void Publish(const loop::TickOutput& /*output*/, const base::HallScan& /*scan*/,
+               const loop::TickTimes& /*times*/) noexcept override {}
 };
 
 // A tetrahedron whose faces can be extruded, and one that is rigid.

@@ -46,6 +46,45 @@ ToolSample SampleOf(std::int64_t t_ns) {
   return sample;
 }
 
+// Telemetry of a publication is that of its own sample: whatever is kept can be read, and nothing else.
+TEST(StateReaderTelemetry, AtReturnsEachKeptPublicationAndNoOther) {
+  const auto publisher = std::move(StatePublisher::Create(1).value());
+  const auto reader = StateReader::Map(base::UniqueFd(::dup(publisher->fd())), sizeof(StateMemory)).value();
+  ToolSample sample;
+  protocol::TelemetrySample telemetry;
+  EXPECT_FALSE(reader->At(0, sample, telemetry));
+  constexpr std::uint64_t kAll = 3 * protocol::kRingCapacity + 17;
+  for (std::uint64_t i = 0; i < kAll; ++i) {
+    protocol::TelemetrySample of_tick;
+    of_tick.tick_ns = static_cast<std::uint32_t>(i);
+    of_tick.current_A = {static_cast<float>(i), 1, 2};
+    publisher->PublishTelemetry(of_tick);
+    publisher->Publish(SampleOf(static_cast<std::int64_t>(1000 + i)), {});
+  }
+  EXPECT_EQ(reader->published(), kAll);
+  for (std::uint64_t i = 0; i < kAll + 5; ++i) {
+    const bool kept = i < kAll && i + protocol::kRingCapacity >= kAll;
+    ASSERT_EQ(reader->At(i, sample, telemetry), kept) << i;
+    if (!kept) continue;
+    EXPECT_EQ(sample.t_ns, static_cast<std::int64_t>(1000 + i));
+    EXPECT_EQ(telemetry.tick_ns, i);
+    EXPECT_EQ(telemetry.current_A[0], static_cast<float>(i));
+  }
+}
+
+// A tick without telemetry, as of another program's writer: there is none rather than that of 512 ticks ago.
+TEST(StateReaderTelemetry, PublicationWithoutTelemetryHasNone) {
+  const auto publisher = std::move(StatePublisher::Create(1).value());
+  const auto reader = StateReader::Map(base::UniqueFd(::dup(publisher->fd())), sizeof(StateMemory)).value();
+  ToolSample sample;
+  protocol::TelemetrySample telemetry;
+  publisher->PublishTelemetry({});
+  publisher->Publish(SampleOf(1), {});
+  publisher->Publish(SampleOf(2), {});
+  EXPECT_TRUE(reader->At(0, sample, telemetry));
+  EXPECT_FALSE(reader->At(1, sample, telemetry));
+}
+
 TEST(StateReaderProperty, AroundAgreesWithBruteForce) {
   std::mt19937_64 random(11);
   const auto publisher = std::move(StatePublisher::Create(1).value());

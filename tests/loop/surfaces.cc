@@ -65,7 +65,8 @@ class SteppedSource : public loop::TickSource {
 };
 
 struct DeafSink : loop::TickSink {
-  void Publish(const loop::TickOutput& /*output*/) noexcept override {}
+  void Publish(const loop::TickOutput& /*output*/, const base::HallScan& /*scan*/,
+               const loop::TickTimes& /*times*/) noexcept override {}
 };
 
 TEST(SurfaceSnapshots, WrittenOnlyWhileRequested) {

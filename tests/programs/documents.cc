@@ -186,7 +186,8 @@ TEST(Documents, EveryLinkLeadsToAFile) {
   EXPECT_EQ(broken, "");
 }
 
-// "The socket's protocol is version 3": wherever the control protocol's version is stated.
+// "The socket's protocol is version 4": wherever the control protocol's version is stated; in the changelog the newest
+// statement, which is the first.
 TEST(Documents, StatedProtocolVersionMatchesTheCode) {
   const std::regex said(R"(protocol (?:has|is) version (\d+))");
   std::vector<std::string> files = Documents();
@@ -194,8 +195,10 @@ TEST(Documents, StatedProtocolVersionMatchesTheCode) {
   int found = 0;
   for (const std::string& file : files) {
     const std::string text = std::regex_replace(WholeText(file), std::regex("\\s+"), " ");
-    for (std::sregex_iterator at(text.begin(), text.end(), said), end; at != end; ++at, ++found) {
+    for (std::sregex_iterator at(text.begin(), text.end(), said), end; at != end; ++at) {
+      ++found;
       EXPECT_EQ((*at)[1], std::to_string(protocol::kProtocolVersion)) << file;
+      if (file.ends_with("CHANGELOG.md")) break;
     }
   }
   EXPECT_GE(found, 1);

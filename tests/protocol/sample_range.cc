@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <functional>
 #include <limits>
 
@@ -100,6 +103,37 @@ TEST(SampleRange, InputsAreClamped) {
   EXPECT_EQ(clamped.components[1].value, 1);
   EXPECT_EQ(clamped.components[2].value, -1);
   EXPECT_EQ(clamped.components[3].press_count, 4u);
+}
+
+TEST(SampleRange, TelemetryIsClampedNumberByNumber) {
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  TelemetrySample telemetry;
+  telemetry.tick_faults = 5;
+  telemetry.current_A = {1, kNaN, -2};
+  telemetry.tip_variance_m2 = {kInfinity, 1e-9F};
+  telemetry.supply_V = -kInfinity;
+  EXPECT_FALSE(InRange(telemetry));
+  const TelemetrySample clamped = Clamped(telemetry);
+  EXPECT_TRUE(InRange(clamped));
+  EXPECT_EQ(clamped.tick_faults, 5U);
+  EXPECT_EQ(clamped.current_A, (std::array<float, 3>{1, 0, -2}));
+  EXPECT_EQ(clamped.tip_variance_m2, (std::array<float, 2>{1e6F, 1e-9F}));
+  EXPECT_EQ(clamped.supply_V, -1e6F);
+}
+
+// No number of the sample escapes the check.
+TEST(SampleRange, EveryNumberOfTelemetryIsChecked) {
+  constexpr std::size_t kNumbers = 3 + 3 + 3 + 3 + 2 + 6;
+  constexpr std::size_t kFirst = offsetof(TelemetrySample, current_A);
+  static_assert(kFirst + kNumbers * sizeof(float) == sizeof(TelemetrySample));
+  for (std::size_t i = 0; i < kNumbers; ++i) {
+    TelemetrySample telemetry;
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    std::memcpy(reinterpret_cast<char*>(&telemetry) + kFirst + i * sizeof(float), &nan, sizeof(nan));
+    EXPECT_FALSE(InRange(telemetry)) << i;
+    EXPECT_TRUE(InRange(Clamped(telemetry))) << i;
+  }
 }
 
 }  // namespace test_protocol_sample_range

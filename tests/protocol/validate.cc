@@ -84,6 +84,7 @@ TEST(Validate, AcceptsDefaultMessages) {
   EXPECT_TRUE(std::holds_alternative<StatusRequest>(Check(StatusRequest{})));
   EXPECT_TRUE(std::holds_alternative<Notice>(Check(Notice{})));
   EXPECT_TRUE(std::holds_alternative<SurfaceRequest>(Check(SurfaceRequest{})));
+  EXPECT_TRUE(std::holds_alternative<EmergencyStop>(Check(EmergencyStop{})));
   EXPECT_TRUE(std::holds_alternative<Surfaces>(Check(Surfaces{})));
   EXPECT_TRUE(std::holds_alternative<SceneCommand>(Check(SceneCommand{})));
   EXPECT_TRUE(std::holds_alternative<SceneAnswer>(Check(SceneReply{})));
@@ -355,6 +356,12 @@ TEST(Validate, RejectsWelcomeWithWrongMemorySizes) {
   welcome = GoodWelcome();
   welcome.life_bytes = 1 << 30;
   EXPECT_NE(ReasonFor(welcome).find("life_bytes"), std::string::npos);
+}
+
+TEST(Validate, RejectsAnEmergencyStopThatIsNeitherOnNorOff) {
+  EmergencyStop stop;
+  stop.on = 2;
+  EXPECT_NE(ReasonFor(stop).find("on is neither"), std::string::npos);
 }
 
 TEST(Validate, RejectsContradictorySurfaces) {

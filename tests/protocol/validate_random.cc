@@ -86,6 +86,7 @@ std::vector<Bytes> Seeds() {
           BytesOf(SceneCommand{}),
           BytesOf(SceneReply{}),
           BytesOf(SurfaceRequest{}),
+          BytesOf(EmergencyStop{}),
           BytesOf(surfaces),
           BytesOf(AppSettings{}),
           BytesOf(placement_request),
@@ -130,6 +131,7 @@ struct Contract {
   void operator()(const Reject& reject) const { EXPECT_TRUE(IsTerminated(reject.reason)); }
   void operator()(const Welcome& welcome) const { EXPECT_NE(welcome.client_id, 0u); }
   void operator()(const StatusReply& reply) const { EXPECT_EQ(reply.json.size(), size - sizeof(MessageHeader)); }
+  void operator()(const EmergencyStop& stop) const { EXPECT_LE(stop.on, 1u); }
   void operator()(const SurfaceRequest& request) const { EXPECT_LE(request.wanted, 1u); }
   void operator()(const Surfaces& surfaces) const {
     EXPECT_LE(surfaces.total_bytes, kMaxSurfaceBytes);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace omni::daemon {
 namespace {
@@ -62,9 +63,43 @@ protocol::VehicleSnapshot VehicleOf(const loop::TickOutput& output) noexcept {
           .best_lap_s = car.best_lap_s};
 }
 
+std::array<float, 3> Floats(const std::array<double, 3>& values) noexcept {
+  return {static_cast<float>(values[0]), static_cast<float>(values[1]), static_cast<float>(values[2])};
+}
+
+std::uint32_t Nanoseconds(std::int64_t ns) noexcept {
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(ns, 0, std::numeric_limits<std::uint32_t>::max()));
+}
+
+protocol::TelemetrySample TelemetryOf(const loop::TickOutput& output, const base::HallScan& scan,
+                                      const loop::TickTimes& times) noexcept {
+  const base::ToolState& tool = output.tool;
+  return {.tick_faults = output.faults,
+          .device_faults = scan.device_faults,
+          .tool_limits = tool.limits,
+          .sensors_left_out = tool.sensors_left_out,
+          .saturated_mask = scan.saturated_mask,
+          .tick_ns = Nanoseconds(times.tick_ns),
+          .latency_ns = Nanoseconds(times.latency_ns),
+          .fit_dof = static_cast<std::uint32_t>(std::max(0, tool.dof)),
+          .current_A = Floats(output.currents.current_A),
+          .measured_A = Floats(scan.coil_current_A),
+          .coil_C = Floats(scan.coil_temperature_C),
+          .ambient_T = Floats(ToArray(tool.ambient_base_T)),
+          .tip_variance_m2 = {static_cast<float>(tool.device_point_noise.position_m2),
+                              static_cast<float>(tool.device_point_noise_along.position_m2)},
+          .supply_V = static_cast<float>(scan.supply_V),
+          .fit_chi2 = static_cast<float>(tool.chi2),
+          .field_T = static_cast<float>(tool.field_rms_T),
+          .stray_T = static_cast<float>(tool.stray_rms_T),
+          .model_error = static_cast<float>(tool.model_error_relative),
+          .gate = static_cast<float>(output.gate)};
+}
+
 }  // namespace
 
-void PublishSink::Publish(const loop::TickOutput& output) noexcept {
+void PublishSink::Publish(const loop::TickOutput& output, const base::HallScan& scan,
+                          const loop::TickTimes& times) noexcept {
   const base::ToolState& tool = output.tool;
   const base::Quat& q = output.orientation_base_tool;
   protocol::ToolSample sample;
@@ -91,6 +126,7 @@ void PublishSink::Publish(const loop::TickOutput& output) noexcept {
   }
   publisher_.PublishContacts(ContactsOf(output));
   publisher_.PublishVehicle(VehicleOf(output));
+  publisher_.PublishTelemetry(TelemetryOf(output, scan, times));
   publisher_.Publish(sample, inputs);
 }
 

@@ -11,7 +11,8 @@ namespace omni::daemon {
 class PublishSink : public loop::TickSink {
  public:
   explicit PublishSink(ipc::StatePublisher& publisher) : publisher_(publisher) {}
-  void Publish(const loop::TickOutput& output) noexcept override;
+  void Publish(const loop::TickOutput& output, const base::HallScan& scan,
+               const loop::TickTimes& times) noexcept override;
   // Any thread: whether the base's place in the headset's space is measured.
   void SetAligned(bool aligned) noexcept { aligned_.store(aligned, std::memory_order_relaxed); }
 

@@ -112,6 +112,16 @@ json SoftBodies(const SoftProgress& soft) {
   return {{"objects", soft.objects}, {"ready", soft.ready}, {"failed", soft.failed}, {"done", soft.done}};
 }
 
+// Null: there is no scene, or an application has handed it over as a document.
+json SceneLoad(const std::optional<scene::LoadOptions>& load) {
+  if (!load) return nullptr;
+  const base::Vec3& offset = load->offset_base_m;
+  return {{"touch_untagged", load->touch_untagged},
+          {"fit", load->fit},
+          {"scale", load->scale},
+          {"offset_base_m", {offset.x, offset.y, offset.z}}};
+}
+
 json SourceNames(base::SourceMask mask, const std::string& sign, const std::vector<std::uint16_t>& slots) {
   json names = json::array();
   for (; mask != 0; mask &= mask - 1) {
@@ -203,6 +213,7 @@ std::string WriteStatus(const StatusInput& input) {
       {"service",
        {{"version", input.version}, {"pid", getpid()}, {"uptime_s", input.uptime_s}, {"instance", input.instance}}},
       {"device", Device(input)},
+      {"stopped", TextOrNull(input.stopped_by)},
       {"calibration", Calibration(input.calibration)},
       {"calibration_refused", TextOrNull(input.calibration.problem)},
       {"calibration_misfit", TextOrNull(input.misfit)},
@@ -212,6 +223,7 @@ std::string WriteStatus(const StatusInput& input) {
       {"scene",
        {{"name", input.scene_file},
         {"generation", input.scene_generation},
+        {"load", SceneLoad(input.scene_load)},
         {"triangles", input.scene_triangles},
         {"soft_bodies", SoftBodies(input.scene_soft)},
         {"sculpted", input.scene_sculpted}}},

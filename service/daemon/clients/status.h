@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "service/device/transport.h"
 #include "service/loop/tick_thread.h"
 #include "service/protocol/control.h"
+#include "service/scene/scene_file.h"
 
 namespace omni::daemon {
 
@@ -33,6 +35,7 @@ struct StatusInput {
   std::string version;
   std::uint64_t instance = 0;
   double uptime_s = 0;
+  std::string stopped_by;  // emergency stop; empty: released
   std::vector<std::string> problems;
   config::CalibrationChoice calibration;
   std::string misfit;             // Service::SetMisfit
@@ -41,6 +44,7 @@ struct StatusInput {
   config::AlignmentFile alignments;
   std::vector<ClientRow> clients;
   std::string scene_file;
+  std::optional<scene::LoadOptions> scene_load;  // how it was read; none: there is no file
   std::uint64_t scene_generation = 0;
   std::uint32_t scene_triangles = 0;
   SoftProgress scene_soft;

@@ -152,6 +152,7 @@ struct FakeService::RequestHandler {
   template <class M>
   requires std::is_constructible_v<protocol::ForceRequest, const M&>
   void operator()(const M& force) const { service.Hear(service.heard_.forces, protocol::ForceRequest(force)); }
+  void operator()(const protocol::EmergencyStop& /*stop*/) const {}
   void operator()(const protocol::SurfaceRequest& request) const {
     const std::lock_guard lock(service.mutex_);
     service.surfaces_wanted_ = service.surfaces_due_ = request.wanted != 0;

@@ -1,0 +1,180 @@
+// The emergency stop, from the message to the currents of the tick.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "service/base/clock.h"
+#include "service/client/connection.h"
+#include "service/config/files/device_file.h"
+#include "service/daemon/devices/transport_tick_source.h"
+#include "service/daemon/service.h"
+#include "service/ipc/server.h"
+#include "service/ipc/state_publisher.h"
+#include "service/loop/tick_config.h"
+#include "service/sim/twin/twin.h"
+#include "tests/support/process/temp_folder.h"
+
+namespace omni::daemon {
+namespace test_daemon_emergency_stop {
+
+using namespace std::chrono_literals;
+
+// A pen held still in the extrusion block (simulated), five times faster than real.
+class PressedPen : public device::Transport {
+ public:
+  PressedPen() {
+    sim::TwinOptions options;
+    options.script.waypoints = {{.duration_s = 0, .tip_base_m = {0.008, 0.004, 0.055}}};
+    twin_ = sim::MakeVirtualTwin(config::DefaultDevice(), options, 1e6);
+  }
+  device::ReadStatus Read(base::HallScan& scan, std::int64_t timeout_ns) noexcept override {
+    std::this_thread::sleep_for(200us);
+    const device::ReadStatus status = twin_->Read(scan, timeout_ns);
+    scan.t_ns = base::MonotonicNow_ns();
+    return status;
+  }
+  bool Write(const base::CoilCurrents& currents) noexcept override { return twin_->Write(currents); }
+  const device::TransportInfo& info() const noexcept override { return twin_->info(); }
+  device::TransportCounters counters() const noexcept override { return twin_->counters(); }
+
+ private:
+  std::unique_ptr<device::Transport> twin_;
+};
+
+struct CurrentSink : loop::TickSink {
+  void Publish(const loop::TickOutput& output, const base::HallScan& /*scan*/,
+               const loop::TickTimes& /*times*/) noexcept override {
+    flows.store(output.currents.current_A != base::CoilCurrents{}.current_A);
+  }
+  std::atomic<bool> flows{false};
+};
+
+// omnid with a pen that presses on the block, and its clients.
+class EmergencyStopTest : public testing::Test {
+ protected:
+  EmergencyStopTest()
+      : source_(pen_),
+        publisher_(std::move(ipc::StatePublisher::Create(1).value())),
+        service_({.version = "test", .instance = 1, .apps = Apps(), .inputs = {}, .hull_radius_m = 0.0375}) {
+    loop_ = std::make_unique<loop::TickThread>(loop::MakeTickConfig(config::DefaultDevice()),
+                                               loop::TickThread::Options{.realtime = false}, source_, sink_);
+    loop_->Start();
+    service_.Attach(*loop_, pen_);
+    auto server = ipc::Server::Open(
+        {.socket_path = folder_.Path("socket/omnid.sock"), .service_instance = 1, .state_fd = publisher_->fd()},
+        service_);
+    EXPECT_TRUE(server.ok()) << server.error();
+    server_ = std::move(*server);
+    service_.SetServer(server_.get());
+    server_->Start();
+    Join(application_);
+    Join(monitor_);
+    EXPECT_TRUE(application_->SendSession(protocol::SessionState::kBegun));
+    EXPECT_TRUE(application_->SendSession(protocol::SessionState::kFocused));
+  }
+  ~EmergencyStopTest() override {
+    server_->Stop();
+    service_.Detach("the test is over");
+  }
+
+  static config::AppTable Apps() {
+    config::AppTable table;
+    table.entries.push_back(
+        {.application_glob = "clay", .scene = std::string(OMNI_SOURCE_DIR) + "/scenes/extrusion.glb"});
+    return table;
+  }
+  std::unique_ptr<client::Connection> NewClient(protocol::ClientRole role, const std::string& name) {
+    return std::make_unique<client::Connection>(client::ConnectionInfo{
+        .role = role, .application = name, .engine = "", .socket_path = folder_.Path("socket/omnid.sock")});
+  }
+  void Join(std::unique_ptr<client::Connection>& client) {
+    ASSERT_TRUE(Until([&] { return client->connected(); })) << client->last_error();
+  }
+  static void Send(client::Connection& client, bool on) {
+    protocol::EmergencyStop stop;
+    stop.on = on ? 1 : 0;
+    EXPECT_TRUE(client.Send(stop));
+  }
+  // The clients live until then; for at most 10 s.
+  bool Until(const std::function<bool()>& holds) {
+    for (int i = 0; i < 2000; ++i) {
+      for (const auto* client : {&application_, &monitor_}) {
+        if (*client == nullptr) continue;
+        (*client)->Poll(base::MonotonicNow_ns());
+        (*client)->Beat();
+      }
+      if (holds()) return true;
+      std::this_thread::sleep_for(5ms);
+    }
+    return false;
+  }
+  bool ZeroForAWhile() {
+    int left = 60;
+    bool zero = true;
+    Until([&] {
+      zero = zero && !sink_.flows;
+      return --left == 0;
+    });
+    return zero;
+  }
+  nlohmann::json Status() {
+    std::string text;
+    EXPECT_TRUE(monitor_->Send(protocol::StatusRequest{}));
+    Until([&] {
+      text = monitor_->PopStatus();
+      return !text.empty();
+    });
+    return nlohmann::json::parse(text, nullptr, false);
+  }
+
+  PressedPen pen_;
+  TransportTickSource source_;
+  CurrentSink sink_;
+  test::TempFolder folder_;
+  std::unique_ptr<ipc::StatePublisher> publisher_;
+  Service service_;
+  std::unique_ptr<loop::TickThread> loop_;
+  std::unique_ptr<ipc::Server> server_;
+  std::unique_ptr<client::Connection> application_ = NewClient(protocol::ClientRole::kApplication, "clay");
+  std::unique_ptr<client::Connection> monitor_ = NewClient(protocol::ClientRole::kMonitor, "a page");
+};
+
+TEST_F(EmergencyStopTest, CurrentsAreZeroUntilItIsReleased) {
+  ASSERT_TRUE(Until([&] { return sink_.flows.load(); })) << "the pen presses";
+  EXPECT_TRUE(Status()["stopped"].is_null());
+  Send(*monitor_, true);
+  ASSERT_TRUE(Until([&] { return !sink_.flows; }));
+  EXPECT_TRUE(ZeroForAWhile());
+  const nlohmann::json status = Status();
+  EXPECT_EQ(status["stopped"], "a page");
+  EXPECT_NE(status["problems"].dump().find("emergency stop, by a page"), std::string::npos);
+  Send(*monitor_, false);
+  EXPECT_TRUE(Until([&] { return sink_.flows.load(); }));
+  EXPECT_TRUE(Status()["stopped"].is_null());
+}
+
+// Whoever has pressed it may go; another application does not end it.
+TEST_F(EmergencyStopTest, HoldsForEveryApplication) {
+  ASSERT_TRUE(Until([&] { return sink_.flows.load(); })) << "the pen presses";
+  Send(*monitor_, true);
+  ASSERT_TRUE(Until([&] { return !sink_.flows; }));
+  application_ = NewClient(protocol::ClientRole::kApplication, "clay");
+  monitor_ = NewClient(protocol::ClientRole::kMonitor, "another page");
+  Join(application_);
+  Join(monitor_);
+  EXPECT_TRUE(application_->SendSession(protocol::SessionState::kFocused));
+  ASSERT_TRUE(Until([&] { return Status()["scene"]["triangles"] == 1608; }));
+  EXPECT_TRUE(ZeroForAWhile());
+}
+
+TEST(EmergencyStopMessage, ApplicationsMayNotSendIt) {
+  EXPECT_EQ(protocol::Traits<protocol::EmergencyStop>::kRoles, protocol::kMonitors | protocol::kTools);
+}
+
+}  // namespace test_daemon_emergency_stop
+}  // namespace omni::daemon
