@@ -43,6 +43,7 @@ struct ObjectSource {
 };
 struct LoadReport {
   std::vector<ObjectSource> objects;  // one per object of the scene
+  std::string vehicle;                // name of the node that is the car; empty: there is none
   std::vector<ExplainRow> rows;
   std::vector<std::string> warnings;  // unknown keys, clamped values: file, JSON pointer, value, range
   std::uint64_t file_bytes = 0;

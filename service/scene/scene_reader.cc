@@ -154,6 +154,7 @@ class SceneReader::Loader {
     input_.vehicle = VehicleOf(*node.own);
     input_.vehicle->start_base_m = ToBase(node.world[3]);
     input_.vehicle->start_heading_rad = HeadingOf(node);
+    report_.vehicle = node.name;
     Explain(node, true, "vehicle: starts at this node's origin, heading along its x axis");
   }
 

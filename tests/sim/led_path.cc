@@ -63,6 +63,25 @@ TEST(LedPath, HoldsItsPositionWithoutANewAim) {
   }
 }
 
+// Taken away and brought again: it comes from above, wherever it was aimed at meanwhile, and arrives.
+TEST(LedPath, ReturningPenComesDownFromAbove) {
+  LedPath path = At({0.02, 0, 0.06});
+  path.Aim({.tip_base_m = {0, 0, 0}, .present = false});
+  for (int i = 0; i < 2000; ++i) path.Step(1e-3);
+  const Vec3 aim{0.01, -0.01, 0.07};
+  path.Aim({.tip_base_m = aim});
+  double lowest_m = 1;
+  for (int i = 0; i < 2000; ++i) {
+    const HandTarget target = path.Target();
+    EXPECT_TRUE(target.present);
+    lowest_m = std::min(lowest_m, (target.centre_base_m + kTipOffset_m * target.axis_base).z);
+    path.Step(1e-3);
+  }
+  EXPECT_NEAR(lowest_m, aim.z, 1e-6) << "never lower than where it is wanted";
+  const HandTarget there = path.Target();
+  EXPECT_LT(Norm(there.centre_base_m + kTipOffset_m * there.axis_base - aim), 1e-5);
+}
+
 TEST(LedPath, OppositeAxesTurnThroughAPerpendicular) {
   LedPath path = At({0, 0, 0.09});
   path.Aim({.tip_base_m = {0, 0, 0.09}, .axis_base = {0, 0, 1}});

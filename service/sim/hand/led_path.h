@@ -12,7 +12,9 @@ class LedPath {
   // At rest at `start`.
   LedPath(const HandTarget& start, double tip_offset_m) noexcept;
 
-  void Aim(const HandAim& aim) noexcept { aim_ = aim; }
+  // A pen that was away comes down to its aim from kEnterFrom_m above, where the base does not feel it.
+  static constexpr double kEnterFrom_m = 0.15;
+  void Aim(const HandAim& aim) noexcept;
   void Step(double dt_s) noexcept;
 
   HandTarget Target() const noexcept;
