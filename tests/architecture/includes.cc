@@ -100,7 +100,9 @@ const std::vector<Rule>& Rules() {
       {"service/twin",
        {"service/base", "service/console", "service/config", "service/protocol", "service/sim", "service/ipc"}},
       {"layer", {"service/base", "service/protocol", "service/client"}},
-      {"service/monitor", {"service/base", "service/protocol", "service/client"}},
+      {"service/monitor",
+       {"service/base", "service/config", "service/protocol", "service/client", "service/haptics", "service/scene",
+        "firmware/wire"}},
       {"service/daemon", AnyService()},
       {"service/tools", AnyService()},
       {"layer/examples", {}},
@@ -117,6 +119,7 @@ const std::vector<Confined>& ConfinedHeaders() {
       {"openxr/", {"layer/", "service/tools/doctor/openxr_loader.cc"}},
       {"toml++/", {"service/config/"}},
       {"CLI/", {"service/console/command.cc"}},
+      {"boost/", {"service/monitor/web/web_server.cc"}},
       {"spdlog/", {"service/daemon/", "service/tools/"}},
       {"Eigen/",
        {"service/base/eigen.h", "service/magnetics/", "service/tracker/", "service/haptics/", "service/actuation/",
@@ -129,7 +132,10 @@ SourceTree ReadTree(const std::string& root, const std::vector<std::string>& top
                     const std::set<std::string>& extensions) {
   SourceTree tree;
   for (const std::string& top : tops) {
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(root) / top)) {
+    const fs::recursive_directory_iterator end;
+    for (fs::recursive_directory_iterator at(fs::path(root) / top); at != end; ++at) {
+      const fs::directory_entry& entry = *at;
+      if (entry.path().filename() == "node_modules") at.disable_recursion_pending();  // npm's, where someone used it
       if (!entry.is_regular_file() || extensions.count(entry.path().extension().string()) == 0) continue;
       std::ifstream file(entry.path());
       std::ostringstream text;

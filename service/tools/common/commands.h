@@ -5,8 +5,11 @@
 #include "service/console/command.h"
 
 #define OMNI_COMMANDS(COMMAND)                                  \
+  COMMAND(Try)                                                  \
   COMMAND(Status)                                               \
   COMMAND(Watch)                                                \
+  COMMAND(Monitor)                                              \
+  COMMAND(Stop)                                                 \
   COMMAND(Doctor)                                               \
   COMMAND(Scene) /* explain, cost, cache; edits below */        \
   COMMAND(Twin)  /* run, path; hand below */                    \

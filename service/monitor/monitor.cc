@@ -1,0 +1,385 @@
+#include "service/monitor/monitor.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include <nlohmann/json.hpp>
+
+#include "service/base/clock.h"
+#include "service/monitor/page/channels.h"
+#include "service/monitor/web/access.h"
+
+namespace omni::monitor {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::int64_t kStatusPeriod_ns = 500'000'000;
+
+// Null: it is not there.
+json At(const json& object, const char* key) {
+  return object.is_object() && object.contains(key) ? object.at(key) : json();
+}
+
+std::string TextOf(const json& value) { return value.is_string() ? value.get<std::string>() : std::string(); }
+bool TruthOf(const json& value) { return value.is_boolean() && value.get<bool>(); }
+double NumberOr(const json& value, double otherwise) { return value.is_number() ? value.get<double>() : otherwise; }
+
+std::string FileName(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
+
+// How omnid has loaded its scene: /scene/load of its status.
+scene::LoadOptions OptionsOf(const json& load, double hull_radius_m) {
+  scene::LoadOptions options;
+  options.hull_radius_m = hull_radius_m;
+  options.touch_untagged = TruthOf(At(load, "touch_untagged"));
+  options.fit = TruthOf(At(load, "fit"));
+  options.scale = NumberOr(At(load, "scale"), 1);
+  const json offset = At(load, "offset_base_m");
+  if (offset.is_array() && offset.size() == 3) {
+    options.offset_base_m = {NumberOr(offset[0], 0), NumberOr(offset[1], 0), NumberOr(offset[2], 0)};
+  }
+  return options;
+}
+
+}  // namespace
+
+base::Result<std::unique_ptr<Monitor>> Monitor::Start(const MonitorOptions& options, std::unique_ptr<Trial> trial) {
+  base::Result<std::string> token = MakeToken();
+  if (!token.ok()) return base::Error{token.error()};
+  std::unique_ptr<Monitor> monitor(new Monitor(options, std::move(trial)));
+  monitor->token_ = *token;
+  auto server = WebServer::Listen(
+      {.port = options.port,
+       .token = *token,
+       .folder = options.page_folder,
+       .max_message_bytes = options.hello.hand ? kMaxDroppedBytes + 1024 : std::size_t{kMaxRequestBytes}},
+      *monitor);
+  if (!server.ok()) return base::Error{server.error()};
+  monitor->server_ = std::move(*server);
+  return monitor;
+}
+
+Monitor::Monitor(const MonitorOptions& options, std::unique_ptr<Trial> trial)
+    : options_(options),
+      trial_(std::move(trial)),
+      connection_({.role = protocol::ClientRole::kMonitor,
+                   .application = "omni monitor",
+                   .engine = "",
+                   .socket_path = options.socket_path,
+                   .retry_interval_ns = trial_ == nullptr ? 500'000'000 : 50'000'000}),
+      hello_text_(HelloText(options.hello)),
+      status_text_(StatusText(false, "not connected yet", "", -1)) {}
+
+Monitor::~Monitor() { server_.reset(); }
+
+std::string Monitor::address() const {
+  return "http://127.0.0.1:" + std::to_string(server_->port()) + "/#token=" + token_;
+}
+
+std::string Monitor::Hello() { return json{{"protocol", kPageVersion}, {"version", options_.hello.version}}.dump(); }
+
+void Monitor::Step() {
+  const std::int64_t before_ns = base::MonotonicNow_ns();
+  // A computer that slept, or a slow frame: the frames that were missed are not made up for.
+  next_frame_ns_ = std::max(next_frame_ns_ + kFramePeriod_ns, before_ns);
+  next_frame_ns_ = std::min(next_frame_ns_, before_ns + kFramePeriod_ns);
+  server_->RunUntil(next_frame_ns_);
+  PollService(base::MonotonicNow_ns());
+  FollowScene();
+  SendFrame();
+}
+
+void Monitor::PollService(std::int64_t now_ns) {
+  if (trial_ != nullptr) trial_->Poll(now_ns);
+  connection_.Poll(now_ns);
+  connection_.Beat();
+  if (surfaces_wanted_ != !pages_.empty()) {
+    surfaces_wanted_ = !pages_.empty();
+    connection_.RequestSurfaces(surfaces_wanted_);
+  }
+  for (const protocol::Notice& notice : connection_.PopNotices()) {
+    for (const auto& [id, page] : pages_) Notice(id, static_cast<NoticeLevel>(std::min(notice.level, 2U)), notice.text);
+  }
+  HandleSceneAnswer();
+  const bool changed = was_connected_ != connection_.connected();
+  was_connected_ = connection_.connected();
+  if (!was_connected_ && (changed || now_ns >= next_status_ns_)) {
+    next_status_ns_ = now_ns + kStatusPeriod_ns;
+    status_.clear();
+    const std::string& why = connection_.last_error();
+    status_text_ = StatusText(false, why.empty() ? "waiting for omnid" : why, "", -1);
+    SendAll(status_text_);
+  }
+  if (!was_connected_) return;
+  if ((changed || now_ns >= next_status_ns_) && connection_.Send(protocol::StatusRequest{})) {
+    next_status_ns_ = now_ns + kStatusPeriod_ns;
+  }
+  if (std::string status = connection_.PopStatus(); !status.empty()) HandleStatus(status);
+}
+
+void Monitor::HandleStatus(const std::string& status) {
+  if (!base::CheckJson(status, kStatusLimits).ok()) return;
+  status_ = status;
+  status_text_ = StatusText(true, "", status, strokes_);
+  SendAll(status_text_);
+  const json sculpted = At(At(json::parse(status), "scene"), "sculpted");
+  if (!(NumberOr(sculpted, 0) > 0)) {
+    strokes_ = -1;
+  } else if (save_.command == 0) {  // its answer would take the place of the copy's
+    edits_command_ = connection_.SendSceneCommand(protocol::SceneAction::kEdits, 0, "");
+  }
+  if (trial_ != nullptr) return;
+  const json scene = At(json::parse(status), "scene");
+  const json load = At(scene, "load");
+  const std::string path = TextOf(At(scene, "name"));
+  shown_.generation = static_cast<std::uint64_t>(std::max(0.0, NumberOr(At(scene, "generation"), 0)));
+  const std::string wanted = path + load.dump();
+  if (wanted == followed_) return;
+  followed_ = wanted;
+  ++shown_.number;
+  ++shown_.revision;
+  shown_.name = FileName(path);
+  shown_.view.reset();
+  shown_.materials.clear();
+  shown_.text.clear();
+  shown_.state = path.empty() ? SceneState::kNone : SceneState::kLoading;
+  if (path.empty()) return;
+  if (load.is_null()) {
+    shown_.state = SceneState::kReady;
+    shown_.text = "the application has handed over this scene itself: only what changes in it is drawn";
+    return;
+  }
+  loads_.Request({.number = ++load_requests_,
+                  .path = path,
+                  .name = shown_.name,
+                  .options = OptionsOf(load, options_.hello.device.hull_radius_m)});
+}
+
+void Monitor::HandleSceneAnswer() {
+  const std::optional<client::SceneAnswer> answer = connection_.PopSceneAnswer();
+  if (!answer) return;
+  if (answer->number == edits_command_) {
+    strokes_ = answer->done ? StrokesOf(answer->text) : -1;
+    return;
+  }
+  if (save_.command == 0 || answer->number != save_.command) {
+    if (!answer->done) SendAll(NoticeText(NoticeLevel::kWarning, answer->text));
+    return;
+  }
+  const Save save = std::exchange(save_, {});
+  if (answer->done && !answer->file.empty()) {
+    const std::string name = "touched-" + shown_.name;
+    server_->Send(save.page, std::make_shared<const std::string>(FileMessage(save.number, name, answer->file)), true);
+  }
+  Send(save.page, AnswerText(save.number, answer->done, answer->text));
+}
+
+// Which scene the pages show, and its shapes.
+void Monitor::FollowScene() {
+  if (trial_ != nullptr) {
+    const Trial::Scene& scene = trial_->scene();
+    shown_.generation = scene.generation;
+    shown_.materials = scene.materials;
+    if (shown_.revision != scene.revision) {
+      shown_ = {.number = scene.number,
+                .revision = scene.revision,
+                .name = scene.name,
+                .state = scene.state,
+                .text = scene.text,
+                .generation = scene.generation,
+                .view = scene.view,
+                .materials = scene.materials};
+    }
+  } else if (auto loaded = loads_.Poll(); loaded && loaded->number == load_requests_) {
+    ++shown_.revision;
+    shown_.state = loaded->view == nullptr ? SceneState::kFailed : SceneState::kReady;
+    shown_.text = loaded->error;
+    shown_.view = loaded->view;
+    if (loaded->view != nullptr) shown_.materials = loaded->view->materials;
+  }
+  surfaces_.Update(connection_.surfaces());
+  if (shapes_of_ == shown_.view) return;
+  shapes_of_ = shown_.view;
+  shapes_.clear();
+  if (shown_.view == nullptr) return;
+  for (std::size_t i = 0; i < shown_.view->parts.size(); ++i) {
+    shapes_.push_back(std::make_shared<const std::string>(
+        ShapeMessage(shown_.number, static_cast<std::uint32_t>(i), shown_.view->parts[i].shape)));
+  }
+}
+
+void Monitor::SendScene(PageId id, Page& page) {
+  if (page.scene_number != shown_.number) {
+    page.shapes_sent = 0;
+    page.surfaces = {};
+  }
+  if (page.scene_number != shown_.number || page.scene_revision != shown_.revision) {
+    page.scene_number = shown_.number;
+    page.scene_revision = shown_.revision;
+    Send(id, SceneText(shown_.number, shown_.name, shown_.state, shown_.text, trial_ != nullptr, shown_.view.get(),
+                       shown_.materials));
+  }
+  while (page.shapes_sent < shapes_.size()) server_->Send(id, shapes_[page.shapes_sent++], true);
+  if (surfaces_.scene_generation() == 0 || surfaces_.scene_generation() != shown_.generation) return;
+  for (const auto& message : surfaces_.NewsFor(shown_.number, page.surfaces)) server_->Send(id, message, true);
+}
+
+LiveFrame Monitor::NewestFrame() const {
+  LiveFrame frame;
+  frame.aim.present = 0;
+  const auto state = connection_.state();
+  if (state == nullptr || !state->Newest(frame.newest)) return frame;
+  state->Contacts(frame.contacts);
+  state->Vehicle(frame.vehicle);
+  state->Inputs(frame.inputs);
+  if (frame.contacts.scene_generation != shown_.generation) frame.contacts.count = 0;
+  if (trial_ != nullptr) frame.aim = trial_->aim();
+  return frame;
+}
+
+void Monitor::AddTicks(std::uint64_t from, LiveFrame& frame) const {
+  const auto state = connection_.state();
+  if (state == nullptr) return;
+  const std::uint64_t end = state->published();
+  for (std::uint64_t index = from; index < end; ++index) {
+    protocol::ToolSample sample;
+    protocol::TelemetrySample telemetry;
+    if (!state->At(index, sample, telemetry)) {
+      ++frame.lost;
+      continue;
+    }
+    frame.times_s.push_back(static_cast<double>(sample.t_ns) * 1e-9);
+    for (const Channel& channel : Channels()) frame.rows.push_back(channel.value(sample, telemetry));
+  }
+}
+
+// A page that has not taken the last frame yet gets this one's ticks with the next that it can take.
+void Monitor::SendFrame() {
+  const auto state = connection_.state();
+  if (pages_.empty()) return;
+  const LiveFrame newest = NewestFrame();
+  const std::uint64_t end = state == nullptr ? 0 : state->published();
+  constexpr std::uint64_t kKept = protocol::kRingCapacity - 2;
+  std::uint64_t made_from = end + 1;
+  std::shared_ptr<const std::string> message;
+  bool sent = false;
+  for (auto& [id, page] : pages_) {
+    if (!server_->Idle(id)) continue;
+    SendScene(id, page);
+    if (state == nullptr) continue;
+    if (page.next_index > end) page.next_index = end;  // omnid has started again
+    const std::uint64_t oldest = end > kKept ? end - kKept : 0;
+    const std::uint64_t from = std::max(page.next_index, oldest);
+    if (from >= end) continue;
+    const auto lost = static_cast<std::uint32_t>(from - page.next_index);
+    if (message == nullptr || from != made_from || lost != 0) {
+      LiveFrame frame = newest;
+      frame.lost = lost;
+      AddTicks(from, frame);
+      message = std::make_shared<const std::string>(LiveMessage(frame));
+      made_from = lost != 0 ? end + 1 : from;
+    }
+    server_->Send(id, message, true);
+    page.next_index = end;
+    sent = true;
+  }
+  frames_ += sent ? 1 : 0;
+}
+
+void Monitor::OnPage(PageId page) {
+  const auto state = connection_.state();
+  pages_[page] = {.next_index = state == nullptr ? 0 : state->published()};
+  Send(page, hello_text_);
+  Send(page, status_text_);
+  pages_[page].scene_revision = shown_.revision + 1;  // any other: it is sent
+}
+
+void Monitor::OnPageGone(PageId page) { pages_.erase(page); }
+
+struct Monitor::RequestHandler {
+  Monitor& monitor;
+  PageId page;
+
+  void Warn(std::string_view text) const { monitor.Notice(page, NoticeLevel::kWarning, text); }
+  bool Lead(const protocol::HandAim& aim) const {
+    if (monitor.trial_ == nullptr) return Warn("only omni try leads a simulated hand"), false;
+    if (monitor.trial_->Aim(aim)) return true;
+    return Warn(monitor.trial_->problem()), false;
+  }
+
+  void operator()(const AimRequest& request) const {
+    Lead({.tip_base_m = request.tip_base_m, .axis_base = request.axis_base});
+  }
+  void operator()(const LiftRequest& /*lift*/) const {
+    if (monitor.trial_ == nullptr) return;
+    protocol::HandAim aim = monitor.trial_->aim();
+    aim.present = 0;
+    Lead(aim);
+  }
+  void operator()(const SceneRequest& request) const {
+    const auto found = monitor.options_.scene_paths.find(request.name);
+    if (monitor.trial_ == nullptr || found == monitor.options_.scene_paths.end()) return Warn("there is no such scene");
+    monitor.trial_->ChooseScene(found->second, FileName(found->second), true);
+  }
+  void operator()(const MaterialRequest& request) const {
+    if (monitor.trial_ == nullptr || !monitor.trial_->SetMaterial(request)) {
+      Warn("this material cannot be changed now");
+    }
+  }
+  void operator()(const EditRequest& request) const {
+    monitor.connection_.SendSceneCommand(request.redo ? protocol::SceneAction::kRedo : protocol::SceneAction::kUndo, 0,
+                                         "");
+  }
+  void operator()(const SaveRequest& request) const {
+    if (monitor.save_.command != 0) {
+      return monitor.Send(page, AnswerText(request.number, false, "another copy is being made; wait for it"));
+    }
+    const std::uint32_t command = monitor.connection_.SendSceneCommand(protocol::SceneAction::kSave, 0, "");
+    monitor.save_ = {.page = page, .number = request.number, .command = command};
+    if (command == 0) monitor.Send(page, AnswerText(request.number, false, "omnid does not answer"));
+  }
+  void operator()(const StopRequest& request) const {
+    protocol::EmergencyStop stop;
+    stop.on = request.on ? 1 : 0;
+    if (!monitor.connection_.Send(stop)) {
+      monitor.Notice(page, NoticeLevel::kError, "NOT STOPPED: omnid does not answer; switch the supply off");
+    }
+    monitor.next_status_ns_ = 0;
+  }
+};
+
+void Monitor::OnText(PageId page, std::string_view text) {
+  if (text.size() > kMaxRequestBytes) {
+    return server_->Close(page, CloseCode::kBadMessage, "a request is longer than 4096 bytes; reload the page");
+  }
+  const base::Result<PageRequest> request = ReadPageRequest(text);
+  if (!request.ok()) return Notice(page, NoticeLevel::kWarning, request.error());
+  const auto* stop = std::get_if<StopRequest>(&*request);
+  if (!options_.control && (stop == nullptr || !stop->on)) {
+    return Notice(page, NoticeLevel::kWarning,
+                  "this page only looks; start `omni monitor --control` to change something");
+  }
+  std::visit(RequestHandler{*this, page}, *request);
+}
+
+void Monitor::OnBytes(PageId page, std::string_view bytes) {
+  if (trial_ == nullptr) return Notice(page, NoticeLevel::kWarning, "only omni try takes files");
+  const DroppedFile file = ReadDroppedFile(bytes);
+  if (!file.problem.empty()) return Notice(page, NoticeLevel::kError, std::string(file.name) + ": " + file.problem);
+  const base::Status dropped = trial_->Drop(file.name, file.bytes);
+  if (!dropped.ok()) Notice(page, NoticeLevel::kError, dropped.error());
+}
+
+void Monitor::Send(PageId page, std::string text) {
+  server_->Send(page, std::make_shared<const std::string>(std::move(text)), false);
+}
+
+void Monitor::SendAll(const std::string& text) {
+  const auto message = std::make_shared<const std::string>(text);
+  for (const auto& [id, page] : pages_) server_->Send(id, message, false);
+}
+
+void Monitor::Notice(PageId page, NoticeLevel level, std::string_view text) { Send(page, NoticeText(level, text)); }
+
+}  // namespace omni::monitor

@@ -1,0 +1,123 @@
+// omni monitor and omni try: serves the live page. Reads what omnid publishes, as any client; with a trial, pages also
+// lead the simulated hand and choose what is touched.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "service/base/result.h"
+#include "service/client/connection.h"
+#include "service/monitor/page/page_messages.h"
+#include "service/monitor/page/page_requests.h"
+#include "service/monitor/page/page_text.h"
+#include "service/monitor/trial/trial.h"
+#include "service/monitor/view/scene_loads.h"
+#include "service/monitor/view/surface_copies.h"
+#include "service/monitor/web/web_server.h"
+
+namespace omni::monitor {
+
+inline constexpr std::uint64_t kMaxDroppedBytes = 64u << 20;
+inline constexpr std::int64_t kFramePeriod_ns = 16'666'667;  // 60 Hz
+
+struct MonitorOptions {
+  std::uint16_t port = 0;   // 0: any that is free
+  std::string page_folder;  // of the page's files
+  std::string socket_path;  // of omnid; empty: the user's
+  bool control = false;     // pages may change something; else only the emergency stop
+  PageHello hello;          // version, device, and for a trial: scenes, environment
+  // Scenes of `hello` by name, for a trial.
+  std::map<std::string, std::string> scene_paths;
+};
+
+class Monitor : private WebHandler {
+ public:
+  // `trial`: null without one.
+  static base::Result<std::unique_ptr<Monitor>> Start(const MonitorOptions& options, std::unique_ptr<Trial> trial);
+  ~Monitor() override;
+
+  // To be opened in a browser; contains the token.
+  std::string address() const;
+
+  // Serves until the next frame is due, then sends it.
+  void Step();
+
+  bool connected() const { return connection_.connected(); }
+  std::string problem() const { return connection_.last_error(); }
+  std::size_t pages() const { return pages_.size(); }
+  std::uint64_t frames() const { return frames_; }
+
+ private:
+  struct Page {
+    std::uint64_t next_index = 0;  // publication that it gets next
+    std::uint32_t lost = 0;
+    std::uint32_t scene_number = 0, scene_revision = 0;
+    std::size_t shapes_sent = 0;
+    SurfacesSent surfaces;
+  };
+  struct RequestHandler;
+  struct Shown {                             // what there is to touch
+    std::uint32_t number = 0, revision = 0;  // as Trial::Scene's
+    std::string name;
+    SceneState state = SceneState::kNone;
+    std::string text;
+    std::uint64_t generation = 0;  // of omnid
+    std::shared_ptr<const SceneView> view;
+    std::vector<ViewMaterial> materials;
+  };
+
+  Monitor(const MonitorOptions& options, std::unique_ptr<Trial> trial);
+
+  void OnPage(PageId page) override;
+  void OnText(PageId page, std::string_view text) override;
+  void OnBytes(PageId page, std::string_view bytes) override;
+  void OnPageGone(PageId page) override;
+  std::string Hello() override;
+
+  void PollService(std::int64_t now_ns);
+  void HandleStatus(const std::string& status);
+  void HandleSceneAnswer();
+  void FollowScene();
+  void SendFrame();
+  void SendScene(PageId id, Page& page);
+  LiveFrame NewestFrame() const;
+  void AddTicks(std::uint64_t from, LiveFrame& frame) const;
+  void Send(PageId page, std::string text);
+  void SendAll(const std::string& text);
+  void Notice(PageId page, NoticeLevel level, std::string_view text);
+
+  const MonitorOptions options_;
+  const std::unique_ptr<Trial> trial_;
+  client::Connection connection_;
+  std::unique_ptr<WebServer> server_;
+  std::string token_;
+  std::map<PageId, Page> pages_;
+  std::string hello_text_;
+  std::string status_text_;
+  std::string status_;  // of omnid, newest
+  std::int64_t next_status_ns_ = 0, next_frame_ns_ = 0;
+  bool was_connected_ = false;
+  Shown shown_;
+  std::vector<std::shared_ptr<const std::string>> shapes_;  // messages, of `shown_`
+  std::shared_ptr<const SceneView> shapes_of_;              // that they were made of
+  // Without a trial: the scene that omnid's status names.
+  SceneLoads loads_;
+  std::string followed_;  // file and options of the request
+  std::uint32_t load_requests_ = 0;
+  SurfaceCopies surfaces_;
+  bool surfaces_wanted_ = false;
+  struct Save {
+    PageId page = 0;
+    std::uint32_t number = 0;   // of the page
+    std::uint32_t command = 0;  // of omnid; 0: none
+  } save_;
+  std::uint32_t edits_command_ = 0;  // of omnid: the last one that asked for the strokes
+  int strokes_ = -1;
+  std::uint64_t frames_ = 0;
+};
+
+}  // namespace omni::monitor

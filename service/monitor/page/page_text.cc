@@ -1,0 +1,183 @@
+#include "service/monitor/page/page_text.h"
+
+#include <array>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "firmware/wire/names.h"
+#include "service/monitor/page/channels.h"
+#include "service/protocol/state_memory.h"
+
+namespace omni::monitor {
+namespace {
+
+using nlohmann::json;
+
+struct BitName {
+  std::uint32_t bit;  // as a mask
+  const char* name;
+};
+constexpr auto kFlagNames = std::to_array<BitName>({
+    {protocol::kToolPoseValid, "pose_valid"},
+    {protocol::kToolTracked, "tracked"},
+    {protocol::kToolContact, "contact"},
+    {protocol::kToolJoystick, "joystick"},
+    {protocol::kToolAligned, "aligned"},
+    {protocol::kToolPushed, "pushed"},
+    {protocol::kToolSaturated, "saturated"},
+    {protocol::kToolWarm, "warm"},
+    {protocol::kToolOutOfReach, "out_of_reach"},
+    {protocol::kToolDeviceFault, "device_fault"},
+    {protocol::kToolStiffnessLimited, "stiffness_limited"},
+});
+// loop::TickFault: protocol::TelemetrySample::tick_faults.
+constexpr auto kTickFaultNames = std::to_array<BitName>({
+    {1, "the device reports faults"},
+    {2, "the pen is not tracked"},
+    {4, "time stamps went back or jumped"},
+    {8, "a result was not finite: currents are zero"},
+    {16, "commands are stale"},
+});
+
+int BitOf(std::uint32_t mask) { return __builtin_ctz(mask); }
+
+template <class Names>
+json Bits(const Names& names) {
+  json rows = json::array();
+  for (const BitName& row : names) rows.push_back({{"bit", BitOf(row.bit)}, {"name", row.name}});
+  return rows;
+}
+
+json Vector(const base::Vec3& v) { return {v.x, v.y, v.z}; }
+
+json Base(const base::DeviceGeometry& device) {
+  json coils = json::array();
+  for (const base::CoilGeometry& coil : device.coils) {
+    coils.push_back({{"axis", Vector(coil.axis_base)},
+                     {"inner_radius_m", coil.shell_radius_min_m},
+                     {"outer_radius_m", coil.shell_radius_max_m},
+                     {"length_m", 2 * coil.band_half_width_m}});
+  }
+  json sensors = json::array();
+  for (const base::SensorGeometry& sensor : device.sensors) sensors.push_back(Vector(sensor.position_base_m));
+  return {{"hull_radius_m", device.hull_radius_m},
+          {"core_radius_m", device.core_radius_m},
+          {"coils", std::move(coils)},
+          {"sensors", std::move(sensors)},
+          {"current_max_A", device.current_max_A},
+          {"force_max_N", device.force_max_N},
+          {"magnet",
+           {{"radius_m", device.magnet.radius_m},
+            {"half_height_m", device.magnet.half_height_m},
+            {"tip_offset_m", device.magnet.tip_offset_m}}}};
+}
+
+json MaterialFields() {
+  json fields = json::array();
+  for (const base::MaterialField* field : base::kLiveFields) {
+    fields.push_back({{"key", field->key},
+                      {"label", field->label},
+                      {"unit", field->unit == "1" ? std::string_view() : field->unit},
+                      {"minimum", field->minimum},
+                      {"maximum", field->maximum},
+                      {"about", field->about}});
+  }
+  return fields;
+}
+
+std::string Dump(const json& message) { return message.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+}  // namespace
+
+std::string HelloText(const PageHello& hello) {
+  json channels = json::array();
+  for (const Channel& channel : Channels()) {
+    channels.push_back(
+        {{"name", channel.name}, {"label", channel.label}, {"unit", channel.unit}, {"group", channel.group}});
+  }
+  json faults = json::array();
+  for (const wire::FaultText& fault : wire::Faults()) {
+    faults.push_back(
+        {{"bit", BitOf(fault.fault)}, {"name", fault.name}, {"text", fault.meaning}, {"remedy", fault.advice}});
+  }
+  json scenes = json::array();
+  for (const SceneChoice& scene : hello.scenes) {
+    scenes.push_back({{"name", scene.name}, {"title", scene.title}, {"about", scene.about}});
+  }
+  return Dump({{"type", "hello"},
+               {"protocol", kPageVersion},
+               {"version", hello.version},
+               {"control", hello.control},
+               {"hand", hello.hand},
+               {"channels", std::move(channels)},
+               {"flags", Bits(kFlagNames)},
+               {"faults", Bits(kTickFaultNames)},
+               {"device_faults", std::move(faults)},
+               {"scenes", std::move(scenes)},
+               {"material_fields", MaterialFields()},
+               {"max_file_bytes", hello.max_file_bytes},
+               {"environment", hello.environment},
+               {"base", Base(hello.device)}});
+}
+
+int StrokesOf(const std::string& edits) {
+  if (!base::CheckJson(edits, kStatusLimits).ok()) return -1;
+  const json parsed = json::parse(edits);
+  if (!parsed.is_object() || !parsed.contains("objects") || !parsed.at("objects").is_array()) return -1;
+  double strokes = 0;
+  for (const json& object : parsed.at("objects")) {
+    const bool counts = object.is_object() && object.contains("strokes") && object.at("strokes").is_number();
+    if (counts) strokes += object.at("strokes").get<double>();
+  }
+  return strokes >= 0 && strokes <= 1e6 ? static_cast<int>(strokes) : -1;
+}
+
+std::string StatusText(bool connected, const std::string& why, const std::string& status, int strokes) {
+  json message = {
+      {"type", "status"}, {"connected", connected}, {"why", why}, {"status", nullptr}, {"strokes", strokes}};
+  if (!status.empty() && base::CheckJson(status, kStatusLimits).ok()) message["status"] = json::parse(status);
+  return Dump(message);
+}
+
+std::string SceneText(std::uint32_t number, const std::string& name, SceneState state, const std::string& text,
+                      bool own, const SceneView* view, std::span<const ViewMaterial> rows) {
+  constexpr const char* kStates[] = {"none", "loading", "ready", "failed"};
+  json parts = json::array();
+  json materials = json::array();
+  if (view != nullptr) {
+    for (const ViewPart& part : view->parts) {
+      const bool touched = part.object >= 0 && part.material < rows.size();
+      parts.push_back({{"name", part.name},
+                       {"object", part.object},
+                       {"material", touched ? rows[part.material].name : std::string()}});
+    }
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    json values = json::object();
+    for (const base::MaterialField* field : base::kLiveFields) {
+      values[std::string(field->key)] = rows[i].values.*field->live;
+    }
+    if (rows[i].name.empty()) continue;  // of nothing that is touched
+    materials.push_back({{"index", i}, {"name", rows[i].name}, {"values", std::move(values)}});
+  }
+  return Dump({{"type", "scene"},
+               {"number", number},
+               {"name", name},
+               {"state", kStates[static_cast<std::size_t>(state)]},
+               {"text", text},
+               {"own", own},
+               {"parts", std::move(parts)},
+               {"materials", std::move(materials)}});
+}
+
+std::string NoticeText(NoticeLevel level, std::string_view text) {
+  constexpr const char* kLevels[] = {"info", "warning", "error"};
+  return Dump({{"type", "notice"}, {"level", kLevels[static_cast<std::size_t>(level)]}, {"text", text}});
+}
+
+std::string AnswerText(std::uint32_t number, bool done, std::string_view text) {
+  return Dump({{"type", "answer"}, {"number", number}, {"done", done}, {"text", text}});
+}
+
+}  // namespace omni::monitor

@@ -1,0 +1,149 @@
+#include "service/monitor/trial/trial.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "service/base/clock.h"
+#include "service/base/files/read_file.h"
+#include "service/base/files/whole_file.h"
+#include "service/base/sealed_memory.h"
+
+namespace omni::monitor {
+namespace {
+
+// Only what a person may read in a list: no path, no control characters.
+std::string ShownName(std::string_view name) {
+  std::string shown;
+  for (const char c : name.substr(name.find_last_of("/\\") + 1)) {
+    shown += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '_' : c;
+  }
+  return shown.empty() ? "dropped.glb" : shown;
+}
+
+}  // namespace
+
+Trial::Trial(const TrialOptions& options)
+    : options_(options),
+      connection_({.role = protocol::ClientRole::kApplication,
+                   .application = kTrialName,
+                   .engine = "omni",
+                   .socket_path = options.socket_path,
+                   .retry_interval_ns = 50'000'000}),
+      hand_(options.hand_path) {
+  aim_.present = 0;
+}
+
+void Trial::ChooseScene(const std::string& path, const std::string& name, bool shipped) {
+  SceneFileRequest request{.number = ++requests_, .path = path, .name = name, .fit_untagged = !shipped};
+  request.options.hull_radius_m = options_.hull_radius_m;
+  loads_.Request(std::move(request));
+  scene_ = {.number = scene_.number + 1, .revision = scene_.revision + 1, .name = name, .state = SceneState::kLoading};
+}
+
+base::Status Trial::Drop(std::string_view name, std::string_view bytes) {
+  const std::string path = options_.folder + "/dropped-" + std::to_string(++drops_) + ".glb";
+  const base::Status written = base::WriteWholeFile(path, bytes);
+  if (!written.ok()) return written;
+  if (!dropped_path_.empty()) ::unlink(dropped_path_.c_str());
+  dropped_path_ = path;
+  ChooseScene(path, ShownName(name), false);
+  return base::Ok{};
+}
+
+void Trial::Poll(std::int64_t now_ns) {
+  connection_.Poll(now_ns);
+  connection_.Beat();
+  if (!connection_.connected()) {
+    session_sent_ = false;
+  } else if (!session_sent_) {
+    session_sent_ = connection_.SendSession(protocol::SessionState::kFocused);
+  }
+  if (const auto loaded = loads_.Poll(); loaded && loaded->number == requests_) Load(*loaded);
+  if (welcomes_ != connection_.welcomes()) {
+    welcomes_ = connection_.welcomes();
+    SendScene();
+  }
+  HandleUpdates();
+}
+
+void Trial::Change(SceneState state, const std::string& text) {
+  ++scene_.revision;
+  scene_.state = state;
+  scene_.text = text;
+}
+
+void Trial::Load(const LoadedView& loaded) {
+  if (loaded.view == nullptr) return Change(SceneState::kFailed, loaded.error);
+  scene_.view = loaded.view;
+  scene_.materials = loaded.view->materials;
+  touch_untagged_ = loaded.touch_untagged;
+  ++scene_.revision;
+  SendScene();
+}
+
+// A new document for omnid; the last one goes.
+void Trial::SendScene() {
+  if (scene_.view == nullptr || !connection_.connected()) return;
+  const auto bytes = base::ReadFile(scene_.view->path, protocol::kMaxHapticSceneBytes);
+  if (!bytes.ok()) return Change(SceneState::kFailed, bytes.error());
+  const auto document = base::SealedCopy("omni-try-scene", *bytes);
+  if (!document.ok()) return Change(SceneState::kFailed, document.error());
+  protocol::HapticSceneLoad load;
+  load.number = ++sent_number_;
+  if (touch_untagged_) load.flags = protocol::kSceneTouchUntagged;
+  load.bytes = bytes->size();
+  load.scale = scene_.view->scale;
+  scene_.generation = 0;
+  if (!connection_.Send(load, document->get())) {
+    return Change(SceneState::kFailed, scene_.name + ": omnid does not take it; choose it again");
+  }
+  Place();
+}
+
+void Trial::Place() {
+  protocol::HapticScenePlace place;
+  place.number = sent_number_;
+  place.flags = protocol::kPoseLeaps;
+  place.t_ns = base::MonotonicNow_ns();
+  place.scale = scene_.view->scale;
+  place.pose.position_m = scene_.view->offset_m;
+  if (scene_.view->offset_m != std::array<double, 3>{}) connection_.Send(place);
+}
+
+void Trial::HandleUpdates() {
+  for (const client::HapticSceneUpdate& update : connection_.PopHapticSceneUpdates()) {
+    if (update.is_table || update.state.number != sent_number_ || scene_.view == nullptr) continue;
+    scene_.generation = update.state.generation;
+    const SceneState state = update.state.status == protocol::HapticSceneStatus::kReady    ? SceneState::kReady
+                             : update.state.status == protocol::HapticSceneStatus::kFailed ? SceneState::kFailed
+                                                                                           : SceneState::kLoading;
+    if (state != scene_.state || update.text != scene_.text) Change(state, update.text);
+  }
+}
+
+bool Trial::Aim(const protocol::HandAim& aim) {
+  aim_ = aim;
+  return hand_.Connect() && hand_.Send(aim);
+}
+
+bool Trial::SetMaterial(const MaterialRequest& request) {
+  if (scene_.view == nullptr || scene_.state != SceneState::kReady || request.index >= scene_.materials.size() ||
+      request.index >= protocol::kMaxHapticMaterials) {
+    return false;
+  }
+  base::MaterialParameters& values = scene_.materials[request.index].values;
+  for (std::size_t i = 0; i < base::kLiveFields.size(); ++i) {
+    if (request.given[i]) values.*base::kLiveFields[i]->live = request.values.*base::kLiveFields[i]->live;
+  }
+  protocol::HapticMaterial message;
+  message.number = sent_number_;
+  message.material = request.index;
+  message.parameters = values;
+  return connection_.Send(message);
+}
+
+std::string Trial::problem() const { return hand_.problem(); }
+
+}  // namespace omni::monitor

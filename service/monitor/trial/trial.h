@@ -1,0 +1,80 @@
+// omni try: what the pages of a trial may do beside looking. It is an application of omnid like any other, that has the
+// pen while no other application is focused; it hands its scenes to omnid (XR_OMNIX1_haptic_scene's messages), and
+// leads the hand of the digital twin by a channel of the twin's own, never through omnid.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "service/client/connection.h"
+#include "service/client/hand_link.h"
+#include "service/monitor/page/page_requests.h"
+#include "service/monitor/page/page_text.h"
+#include "service/monitor/view/scene_loads.h"
+
+namespace omni::monitor {
+
+inline constexpr const char* kTrialName = "omni try";  // of the application: manifests/apps.d
+
+struct TrialOptions {
+  std::string socket_path;  // of omnid
+  std::string hand_path;    // of the twin's hand
+  std::string folder;       // for dropped files; only the user may enter it
+  double hull_radius_m = 0;
+};
+
+class Trial {
+ public:
+  explicit Trial(const TrialOptions& options);
+
+  // A scene of these files; the last one counts. `name`: for people. `shipped`: as authored; else a file without haptic
+  // tags is touched as a whole, scaled and moved into reach.
+  void ChooseScene(const std::string& path, const std::string& name, bool shipped);
+  // Keeps the bytes as a file of the folder, then as above.
+  base::Status Drop(std::string_view name, std::string_view bytes);
+
+  void Poll(std::int64_t now_ns);
+
+  // False: the twin has gone; problem() says why.
+  bool Aim(const protocol::HandAim& aim);
+  const protocol::HandAim& aim() const { return aim_; }
+  // False: there is no such material.
+  bool SetMaterial(const MaterialRequest& request);
+
+  // What pages show. `number` counts the scenes, `revision` every change of one.
+  struct Scene {
+    std::uint32_t number = 0, revision = 0;
+    std::string name;
+    SceneState state = SceneState::kNone;
+    std::string text;
+    std::uint64_t generation = 0;  // of omnid; 0: it does not touch it yet
+    std::shared_ptr<const SceneView> view;
+    std::vector<ViewMaterial> materials;  // of `view`, as they are now
+  };
+  const Scene& scene() const { return scene_; }
+  std::string problem() const;
+
+ private:
+  void Load(const LoadedView& loaded);
+  void SendScene();
+  void Place();
+  void HandleUpdates();
+  void Change(SceneState state, const std::string& text);
+
+  const TrialOptions options_;
+  client::Connection connection_;
+  client::HandLink hand_;
+  protocol::HandAim aim_;
+  SceneLoads loads_;
+  Scene scene_;
+  bool touch_untagged_ = false;
+  std::uint32_t requests_ = 0, sent_number_ = 0, drops_ = 0;
+  std::uint64_t welcomes_ = 0;
+  bool session_sent_ = false;
+  std::string dropped_path_;
+};
+
+}  // namespace omni::monitor

@@ -1,0 +1,29 @@
+// node bundle.mjs MODULES SOURCE OUT: bundles the page. MODULES: the folder node_modules; SOURCE: this one; OUT: of
+// index.html, page.js, page.css and licenses.txt.
+import { createRequire } from 'node:module';
+import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+
+const [modules, source, out] = process.argv.slice(2);
+const { build } = createRequire(join(modules, 'x'))('esbuild');
+
+mkdirSync(out, { recursive: true });
+await build({
+  entryPoints: [join(source, 'src/main.ts')],
+  outfile: join(out, 'page.js'),
+  bundle: true,
+  format: 'esm',
+  target: 'es2022',
+  minify: true,
+  legalComments: 'none', // licenses.txt has them
+  nodePaths: [modules],
+  logLevel: 'warning',
+});
+copyFileSync(join(source, 'index.html'), join(out, 'index.html'));
+
+// What is in the bundle, with its licence.
+const { dependencies } = JSON.parse(readFileSync(join(source, 'package.json'), 'utf8'));
+const licences = Object.entries(dependencies).map(
+  ([name, version]) => `${name} ${version}\n\n${readFileSync(join(modules, name, 'LICENSE'), 'utf8')}`,
+);
+writeFileSync(join(out, 'licenses.txt'), licences.join('\n' + '-'.repeat(80) + '\n\n'));

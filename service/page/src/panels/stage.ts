@@ -1,0 +1,56 @@
+// The stage: the 3-D view with its buttons, the badges over it, and a text of what it shows.
+import type { View } from '../view/view';
+import { download, make, makeButton, setHidden, setText } from './dom';
+import type { Actions, PageState } from './state';
+
+const kCameras = ['front', 'side', 'top', 'near'] as const;
+const kWords = { front: 'Front', side: 'Side', top: 'Top', near: 'Near' };
+const kDescribe_ms = 2000;
+
+export class Stage {
+  readonly root: HTMLElement;
+  readonly host = make('div', { class: 'view-host', id: 'view' });
+  private readonly replay = make('strong', { class: 'badge replay', 'data-testid': 'replay-badge' }, 'REPLAY');
+  private readonly text = make('p', { class: 'unseen', id: 'view-text', 'data-testid': 'view-text' });
+  private readonly buttons = make('div', { class: 'cameras', role: 'group', 'aria-label': 'Camera' });
+  private view: View | null = null;
+  private described_ms = -Infinity;
+
+  constructor(private readonly actions: Actions) {
+    const badges = make('div', { class: 'view-badges' }, this.replay);
+    this.replay.hidden = true;
+    this.root = make('section', { class: 'stage', 'aria-label': '3-D view', 'aria-describedby': 'view-text' });
+    this.root.append(this.host, badges, this.buttons, this.text);
+  }
+
+  setView(view: View): void {
+    this.view = view;
+    const cameras = kCameras.map((name) => makeButton(kWords[name], () => view.setCamera(name)));
+    const picture = makeButton('Picture', () => void this.savePicture(), { title: 'Save a picture of the view' });
+    this.buttons.replaceChildren(...cameras, picture);
+  }
+
+  update(state: PageState): void {
+    setHidden(this.replay, !state.replay);
+    const now_ms = performance.now();
+    if (this.view === null || now_ms - this.described_ms < kDescribe_ms) return;
+    this.described_ms = now_ms;
+    setText(this.text, this.view.describe());
+  }
+
+  private async savePicture(): Promise<void> {
+    try {
+      const picture = await this.view?.snapshot();
+      if (picture !== undefined) download(`omni-${stamp()}.png`, picture);
+    } catch (error) {
+      this.actions.say('error', `No picture: ${error instanceof Error ? error.message : String(error)}`);
+    }
+  }
+}
+
+// "2026-11-27-125800": for names of files
+export function stamp(): string {
+  const now = new Date();
+  const local = new Date(now.getTime() - now.getTimezoneOffset() * 60_000).toISOString();
+  return local.slice(0, 19).replace('T', '-').replace(/:/g, '');
+}

@@ -1,0 +1,39 @@
+// What the page knows now. main.ts writes it, the panels read it.
+import type { LinkState } from '../link';
+import type { Hello, Live, Request, SceneMessage, Status, StatusMessage } from '../types';
+import type { Signals } from './signals';
+
+export interface PageState {
+  hello: Hello;
+  signals: Signals;
+  link: LinkState;
+  status: StatusMessage | null;
+  scene: SceneMessage | null;
+  live: Live | null; // what is shown: the newest, or that of the replayed time
+  replay: boolean;
+  silent_s: number; // since the last message with samples
+  dent_m: number; // largest displacement of the newest surfaces; NaN: none
+  lost: number; // samples that never came, as this page was too slow
+  undecodable: { count: number; text: string }; // messages that were not understood
+}
+
+// What panels ask for.
+export interface Actions {
+  send(request: Request): boolean; // false: there is no connection
+  drop(name: string, bytes: ArrayBuffer): boolean;
+  say(level: 'info' | 'warning' | 'error', text: string): void; // a notice that is seen and read out
+}
+
+export interface Panel {
+  readonly root: HTMLElement;
+  update(state: PageState): void; // ten times a second
+}
+
+export function statusOf(state: PageState): Status | null {
+  return state.status?.connected === true ? state.status.status : null;
+}
+
+// May this page change something now?
+export function canControl(state: PageState): boolean {
+  return state.hello.control && state.link.kind === 'open';
+}

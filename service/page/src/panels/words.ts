@@ -1,0 +1,102 @@
+// What is going on, in plain words.
+import { fixed, mm, plural } from './format';
+import { length } from './signals';
+import { statusOf } from './state';
+import type { PageState } from './state';
+import type { Contact } from '../types';
+
+export interface Tracking {
+  state: 'tracked' | 'lost' | 'absent';
+  text: string;
+}
+
+export function tracking(state: PageState): Tracking {
+  const { live, signals } = state;
+  if (!state.replay) {
+    if (state.link.kind !== 'open') return { state: 'absent', text: 'There is no connection.' };
+    if (state.status?.connected === false) return { state: 'absent', text: 'omnid is not there.' };
+    const device = statusOf(state)?.device;
+    if (device !== undefined && device.name === null) {
+      return { state: 'absent', text: `There is no base${device.absent ? `: ${device.absent}` : ''}.` };
+    }
+  }
+  if (live === null) return { state: 'absent', text: 'Waiting for the first measurement.' };
+  if (signals.flag(live, 'tracked', 'tracking') === true) return { state: 'tracked', text: 'The pen is tracked.' };
+  if (signals.frozen(live)) return { state: 'lost', text: 'Every sensor repeats itself: nothing is measured.' };
+  if (signals.contradicted(live)) {
+    return { state: 'lost', text: 'A magnet is near, but no pose fits: see the problems.' };
+  }
+  if (signals.flag(live, 'pose valid', 'pose', 'valid') === true) {
+    return { state: 'lost', text: 'The pen is lost: its last place is shown. Bring it nearer to the base.' };
+  }
+  const bring = state.hello.hand ? 'press on the view to bring it.' : 'bring it within 100 mm of the base.';
+  return { state: 'absent', text: `No pen is near: ${bring}` };
+}
+
+// "dragon with 0.32 N, lid with 0.10 N"
+export function touching(state: PageState): string {
+  const contacts = state.live?.contacts ?? [];
+  if (contacts.length === 0) return 'nothing';
+  const force = (contact: Contact): string => fixed(length(contact.force), 2);
+  return contacts.map((contact) => `${objectName(state, contact)} with ${force(contact)} N`).join(', ');
+}
+
+function objectName(state: PageState, contact: Contact): string {
+  const part = state.scene?.parts.find((candidate) => candidate.object === contact.object);
+  const material = state.scene?.materials.find((candidate) => candidate.index === contact.material)?.name ?? '';
+  const name = part?.name || `object ${contact.object}`;
+  return material === '' || material === name ? name : `${name} (${material})`;
+}
+
+// Why the force is not what it should be; "": it is.
+export function forceNote(state: PageState): string {
+  const { live, signals } = state;
+  if (live === null) return '';
+  if (signals.flag(live, 'device fault') === true) return 'no force: the base reports a fault';
+  if (signals.flag(live, 'out of reach') === true) return 'no force can be made here';
+  if (signals.flag(live, 'saturated') === true) return 'cut by what the base can do';
+  if (signals.flag(live, 'stiffness limited') === true) return 'softer than asked for, to stay stable';
+  if (signals.flag(live, 'warm') === true) return 'the coils are warm: less force than when cold';
+  if (signals.flag(live, 'pushed') === true) return 'an application pushes';
+  return '';
+}
+
+export function owner(state: PageState): string {
+  const status = statusOf(state);
+  if (status === null) return '-';
+  const client = status.clients?.find((candidate) => candidate.owner);
+  if (client === undefined) return 'no application has the pen';
+  return client.application || `process ${client.pid}`;
+}
+
+// null: the scene has no soft body.
+export function softBodies(state: PageState): { text: string; done: number } | null {
+  const soft = statusOf(state)?.scene?.soft_bodies;
+  if (soft === undefined || soft === null) return null;
+  const failed = soft.failed > 0 ? `, ${soft.failed} failed` : '';
+  if (soft.ready + soft.failed >= soft.objects) {
+    return { text: `${plural(soft.ready, 'soft body ready', 'soft bodies ready')}${failed}`, done: 1 };
+  }
+  const percent = Math.floor(100 * Math.min(1, Math.max(0, soft.done)));
+  return { text: `being computed: ${percent} %${failed}; until then it gives way in layers`, done: soft.done };
+}
+
+export interface Race {
+  laps: number;
+  hits: number;
+  speed: string;
+  laps_s: string; // their times
+}
+
+// The car's newest figures; null: there is none.
+export function race(state: PageState): Race | null {
+  const car = state.live?.vehicle;
+  if (car === null || car === undefined) return null;
+  const seconds = (value: number): string => (value > 0 ? fixed(value, 2) : '-');
+  return {
+    laps: car.laps,
+    hits: car.hits,
+    speed: `${mm(car.speed_m_s, 0)}/s${car.sliding ? ', sliding' : ''}`,
+    laps_s: `now ${seconds(car.lap_s)}, last ${seconds(car.last_lap_s)}, best ${seconds(car.best_lap_s)} s`,
+  };
+}

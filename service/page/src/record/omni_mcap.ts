@@ -1,0 +1,153 @@
+// What a recording is as an MCAP file: all samples as JSON on /omni/telemetry; contacts, vehicle, inputs, and for
+// Foxglove the pen's pose and the force on it, on channels of their own, once per message of the service. Times are
+// nanoseconds since 1970, by the clock of this computer; each message also has its CLOCK_MONOTONIC time.
+import type { Contact, Hello, Live, Quat, Vec3, Vehicle } from '../types';
+import type { Chunk, Slice } from './chunk';
+import { McapWriter } from './mcap';
+import { Pace } from './pace';
+import * as schemas from './schemas';
+import { shorten, shortestJson, unique } from './text';
+import { columnsOf, kForce, kOrientation, kTip, orientationAt, vectorAt } from './vectors';
+
+const kFrame = 'omni_base';
+const kNs = 1_000_000_000n;
+const kInputs = [
+  'tip',
+  'select',
+  'secondary',
+  'menu',
+  'squeeze',
+  'thumbstick_x',
+  'thumbstick_y',
+  'thumbstick_click',
+  'docked',
+];
+
+function xyz([x, y, z]: Vec3): { x: number; y: number; z: number } {
+  return { x: shorten(x), y: shorten(y), z: shorten(z) };
+}
+
+function contactOf(contact: Contact): object {
+  return {
+    ...contact,
+    point: xyz(contact.point),
+    normal: xyz(contact.normal),
+    force: xyz(contact.force),
+    slip: xyz(contact.slip),
+    normal_N: shorten(contact.normal_N),
+    tangential_N: shorten(contact.tangential_N),
+    penetration_m: shorten(contact.penetration_m),
+  };
+}
+
+function vehicleOf(vehicle: Vehicle): object {
+  return {
+    ...vehicle,
+    position: xyz(vehicle.position),
+    heading: shorten(vehicle.heading),
+    speed_m_s: shorten(vehicle.speed_m_s),
+    lap_s: shorten(vehicle.lap_s),
+    last_lap_s: shorten(vehicle.last_lap_s),
+    best_lap_s: shorten(vehicle.best_lap_s),
+  };
+}
+
+function inputsOf(inputs: Live['inputs']): object {
+  const entries = kInputs.map((name, i): [string, object] => {
+    const input = inputs[i] ?? { value: 0, presses: 0, releases: 0 };
+    return [name, { ...input, value: shorten(input.value) }];
+  });
+  return Object.fromEntries(entries);
+}
+
+// foxglove.PoseInFrame
+function poseOf(time_ns: bigint, tip: Vec3, orientation: Quat): object {
+  const [w, x, y, z] = orientation.map(Math.fround) as Quat;
+  return {
+    timestamp: { sec: Number(time_ns / kNs), nsec: Number(time_ns % kNs) },
+    frame_id: kFrame,
+    pose: { position: xyz(tip), orientation: { ...xyz([x, y, z]), w: shorten(w) } },
+  };
+}
+
+class OmniMcap {
+  private readonly keys: string[]; // of the channels: '"current_x_A":'
+  private readonly telemetry: number; // ids of channels of the file
+  private readonly contacts: number;
+  private readonly vehicle: number;
+  private readonly inputs: number;
+  private readonly pen: { id: number; tip: number[]; orientation: number[] | null } | null; // null: not measured
+  private readonly force: { id: number; columns: number[] } | null;
+  private readonly poseValid: number; // as a mask of Live.flags; 0: there is no such flag
+
+  constructor(
+    private readonly writer: McapWriter,
+    { channels, flags }: Hello,
+    private readonly epoch_ns: bigint, // of CLOCK_MONOTONIC
+  ) {
+    const names = unique(channels.map((channel) => channel.name), ['t_monotonic_s']);
+    this.keys = names.map((name) => `${JSON.stringify(name)}:`);
+    const add = (topic: string, schema: schemas.Schema): number =>
+      writer.channel(topic, writer.schema(schema.title, schema));
+    this.telemetry = add('/omni/telemetry', schemas.telemetry(channels, names));
+    this.contacts = add('/omni/contacts', schemas.contacts);
+    this.vehicle = add('/omni/vehicle', schemas.vehicle);
+    this.inputs = add('/omni/inputs', schemas.inputs(kInputs));
+    const tip = columnsOf(channels, kTip);
+    const orientation = columnsOf(channels, kOrientation);
+    this.pen = tip === null ? null : { id: add('/omni/pen', schemas.pose), tip, orientation };
+    const columns = columnsOf(channels, kForce);
+    this.force = columns === null ? null : { id: add('/omni/force', schemas.force), columns };
+    const flag = flags.find(({ name }) => name === 'pose_valid');
+    this.poseValid = flag === undefined ? 0 : 1 << flag.bit;
+  }
+
+  writeSample(chunk: Chunk, i: number): void {
+    const t_s = chunk.time(i);
+    let json = `{"t_monotonic_s":${t_s}`;
+    for (let c = 0; c < this.keys.length; ++c) json += `,${this.keys[c]!}${shortestJson(chunk.value(i, c))}`;
+    this.writer.message(this.telemetry, this.time(t_s), `${json}}`);
+  }
+
+  // What belongs to a whole message, at the time of its newest sample.
+  writeState(chunk: Chunk, message: number): void {
+    const newest = chunk.start(message + 1) - 1;
+    const t_monotonic_s = chunk.time(newest);
+    const time_ns = this.time(t_monotonic_s);
+    const write = (id: number, content: object): void => // null is written for what is not finite
+      this.writer.message(id, time_ns, JSON.stringify({ t_monotonic_s, ...content }));
+    const { contacts, vehicle, inputs, flags } = chunk.state(message);
+    write(this.contacts, { contacts: contacts.map(contactOf) });
+    if (vehicle !== null) write(this.vehicle, vehicleOf(vehicle));
+    write(this.inputs, inputsOf(inputs));
+    if (this.force !== null) {
+      write(this.force.id, { frame_id: kFrame, ...xyz(vectorAt(chunk, newest, this.force.columns)) });
+    }
+    if (this.pen === null || (this.poseValid !== 0 && (flags & this.poseValid) === 0)) return; // nothing to draw
+    const tip = vectorAt(chunk, newest, this.pen.tip);
+    if (!tip.every(Number.isFinite)) return;
+    write(this.pen.id, poseOf(time_ns, tip, orientationAt(chunk, newest, this.pen.orientation)));
+  }
+
+  private time(t_s: number): bigint {
+    return this.epoch_ns + BigInt(Math.round(t_s * 1e9));
+  }
+}
+
+export async function writeMcap(hello: Hello, slices: readonly Slice[], epoch_ns: bigint): Promise<Blob> {
+  const pace = new Pace();
+  const pieces: Blob[] = [];
+  const writer = new McapWriter(`omni page ${hello.version}`, (bytes) => pieces.push(new Blob([bytes])));
+  const omni = new OmniMcap(writer, hello, epoch_ns);
+  for (const { chunk, first, last } of slices) {
+    for (let i = first; i < last; ) {
+      const message = chunk.messageOf(i);
+      const end = chunk.start(message + 1);
+      for (; i < Math.min(end, last); ++i) omni.writeSample(chunk, i);
+      if (end <= last) omni.writeState(chunk, message);
+      await pace.rest();
+    }
+  }
+  writer.end();
+  return new Blob(pieces, { type: 'application/octet-stream' });
+}

@@ -1,0 +1,149 @@
+// What of a Live message is drawn, read by the names of channels and flags. A service that lacks a name, or knows more
+// of them, does no harm: what is missing is 0.
+import type { Aim, Contact, Hello, Live, Quat, Vec3, Vehicle } from '../types';
+
+const kNames = [
+  'tip_x_m', 'tip_y_m', 'tip_z_m',
+  'q_w', 'q_x', 'q_y', 'q_z',
+  'force_x_N', 'force_y_N', 'force_z_N',
+  'current_x_A', 'current_y_A', 'current_z_A',
+  'cov_xx_m2', 'cov_xy_m2', 'cov_xz_m2', 'cov_yy_m2', 'cov_yz_m2', 'cov_zz_m2',
+] as const;
+type Name = (typeof kNames)[number];
+
+export interface Picture {
+  valid: boolean; // there is a pose, perhaps an old one
+  tracked: boolean; // the pose is of now
+  tip: Vec3;
+  orientation: Quat; // q_BT
+  axis: Vec3; // out of the tip
+  force: Vec3; // N
+  currents: Vec3; // A
+  covariance: [number, number, number, number, number, number]; // of the tip: xx, xy, xz, yy, yz, zz, m^2
+  contacts: Contact[];
+  vehicle: Vehicle | null;
+  aim: Aim;
+}
+
+export function emptyPicture(): Picture {
+  return {
+    valid: false,
+    tracked: false,
+    tip: [0, 0, 0],
+    orientation: [1, 0, 0, 0],
+    axis: [0, 0, -1],
+    force: [0, 0, 0],
+    currents: [0, 0, 0],
+    covariance: [0, 0, 0, 0, 0, 0],
+    contacts: [],
+    vehicle: null,
+    aim: { present: false, tip: [0, 0, 0], axis: [0, 0, -1] },
+  };
+}
+
+// A point of the tip's path: when and where.
+export type TrailPoint = (t_s: number, x: number, y: number, z: number) => void;
+
+export class PictureReader {
+  private readonly channels: number;
+  private readonly column = new Map<Name, number>();
+  private readonly bits = new Map<string, number>();
+
+  constructor(hello: Hello) {
+    this.channels = hello.channels.length;
+    for (const name of kNames) {
+      const column = hello.channels.findIndex((channel) => channel.name === name);
+      if (column >= 0) this.column.set(name, column);
+    }
+    for (const flag of hello.flags) this.bits.set(flag.name, flag.bit);
+  }
+
+  // Live without samples keeps what channels and flags said before.
+  read(live: Live, before: Picture): Picture {
+    const rest = { contacts: live.contacts, vehicle: live.vehicle, aim: live.aim };
+    if (live.count === 0) return { ...before, ...rest };
+    const valid = this.flag(live, 'pose_valid') && this.column.has('tip_x_m');
+    const tracked = this.flag(live, 'tracked');
+    const at = (name: Name) => this.value(live, live.count - 1, name);
+    const orientation = unit([at('q_w'), at('q_x'), at('q_y'), at('q_z')]);
+    return {
+      ...rest,
+      valid,
+      tracked,
+      tip: [at('tip_x_m'), at('tip_y_m'), at('tip_z_m')],
+      orientation,
+      axis: outOfTip(orientation),
+      force: [at('force_x_N'), at('force_y_N'), at('force_z_N')],
+      currents: [at('current_x_A'), at('current_y_A'), at('current_z_A')],
+      covariance: [
+        at('cov_xx_m2'), at('cov_xy_m2'), at('cov_xz_m2'), at('cov_yy_m2'), at('cov_yz_m2'), at('cov_zz_m2'),
+      ],
+    };
+  }
+
+  // The tip at about every `step`-th sample, oldest first, and at the newest one.
+  path(live: Live, step: number, take: TrailPoint): void {
+    for (let i = (live.count - 1) % step; i >= 0 && i < live.count; i += step) {
+      const t = live.times_s[i] ?? 0;
+      take(t, this.value(live, i, 'tip_x_m'), this.value(live, i, 'tip_y_m'), this.value(live, i, 'tip_z_m'));
+    }
+  }
+
+  private flag(live: Live, name: string): boolean {
+    const bit = this.bits.get(name);
+    return bit !== undefined && ((live.flags >>> bit) & 1) === 1;
+  }
+
+  private value(live: Live, sample: number, name: Name): number {
+    const column = this.column.get(name);
+    if (column === undefined) return 0;
+    const value = live.samples[sample * this.channels + column] ?? 0;
+    return Number.isFinite(value) ? value : 0;
+  }
+}
+
+function unit(q: Quat): Quat {
+  const n = Math.hypot(...q);
+  if (!(n > 1e-6)) return [1, 0, 0, 0];
+  return [q[0] / n, q[1] / n, q[2] / n, q[3] / n];
+}
+
+// -z of frame T in frame B.
+function outOfTip([w, x, y, z]: Quat): Vec3 {
+  return [-2 * (x * z + w * y), -2 * (y * z - w * x), -(1 - 2 * (x * x + y * y))];
+}
+
+// The picture in steps too small to see: as long as they stay the same, nothing needs to be drawn again.
+export class PictureChanges {
+  private last: number[] = [];
+
+  differs(p: Picture): boolean {
+    const key: number[] = [Number(p.valid), Number(p.tracked)];
+    const add = (values: readonly number[], step: number) => {
+      for (const value of values) key.push(Math.round(value / step));
+    };
+    if (p.valid) {
+      add(p.tip, 4e-5);
+      add(p.axis, 2e-3);
+      add(p.force, 5e-3);
+      for (const i of [0, 3, 5] as const) key.push(Math.round(20 * Math.log(p.covariance[i] + 1e-12)));
+    }
+    add(p.currents, 0.05);
+    for (const contact of p.contacts) {
+      add(contact.point, 4e-5);
+      add(contact.normal, 1e-2);
+    }
+    key.push(p.contacts.length, Number(p.aim.present));
+    if (p.aim.present) {
+      add(p.aim.tip, 4e-5);
+      add(p.aim.axis, 2e-3);
+    }
+    if (p.vehicle !== null) {
+      add(p.vehicle.position, 4e-5);
+      add([p.vehicle.heading, Number(p.vehicle.sliding)], 5e-3);
+    }
+    const same = key.length === this.last.length && key.every((value, i) => value === this.last[i]);
+    this.last = key;
+    return !same;
+  }
+}

@@ -1,0 +1,66 @@
+// omni monitor: the live page of a running omnid.
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "service/base/clock.h"
+#include "service/config/files/device_file.h"
+#include "service/monitor/monitor.h"
+#include "service/tools/common/command_line.h"
+#include "service/tools/common/commands.h"
+#include "service/tools/common/terminal.h"
+#include "service/tools/monitor/page_folder.h"
+
+namespace omni::tools {
+namespace {
+
+constexpr const char* kMonitorCommand = "omni monitor";
+
+struct MonitorArguments {
+  std::string socket;
+  int port = 0;
+  bool control = false, open = true;
+  double seconds = std::numeric_limits<double>::infinity();
+};
+
+int MonitorPage(const MonitorArguments& arguments) {
+  const EndSignals signals;
+  const base::Result<std::string> folder = FindPage();
+  if (!folder.ok()) return Fail(kMonitorCommand, folder.error());
+  const auto monitor = monitor::Monitor::Start({.port = static_cast<std::uint16_t>(arguments.port),
+                                                .page_folder = *folder,
+                                                .socket_path = arguments.socket,
+                                                .control = arguments.control,
+                                                .hello = {.version = OMNI_VERSION,
+                                                          .control = arguments.control,
+                                                          .max_file_bytes = 0,
+                                                          .device = config::DefaultDevice()}},
+                                               nullptr);
+  if (!monitor.ok()) return Fail(kMonitorCommand, monitor.error());
+  std::printf("open  %s\n", (*monitor)->address().c_str());
+  std::printf(arguments.control ? "pages may change and stop; Ctrl-C ends\n"
+                                : "pages only look and stop; --control lets them change; Ctrl-C ends\n");
+  std::fflush(stdout);
+  if (arguments.open) OpenBrowser((*monitor)->address());
+  const std::int64_t start_ns = base::MonotonicNow_ns();
+  while (!EndSignals::asked() && static_cast<double>(base::MonotonicNow_ns() - start_ns) * 1e-9 < arguments.seconds) {
+    (*monitor)->Step();
+  }
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddMonitor(Command& app) {
+  auto arguments = std::make_shared<MonitorArguments>();
+  Command monitor = app.AddCommand("monitor", "show everything of a running omnid on a live page in the browser");
+  monitor.Add("--port", arguments->port, "of 127.0.0.1 (default: any that is free)").Range(1, 65535);
+  monitor.Add("--control", arguments->control, "let pages undo, save and release the emergency stop");
+  monitor.Add("!--no-open", arguments->open, "do not open a browser");
+  monitor.Add("--seconds", arguments->seconds, "end after this many seconds (default: at Ctrl-C)").Positive();
+  monitor.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  monitor.Run(arguments, MonitorPage);
+}
+
+}  // namespace omni::tools
