@@ -32,7 +32,12 @@ TEST(Versions, TableNamesTheConstantsOfTheSources) {
     ++rows;
     EXPECT_NE(NumberOf(match[1], TextOf(match[2])), "") << match[1] << " of " << match[2];
   }
-  EXPECT_EQ(rows, 9);
+  EXPECT_EQ(rows, 10);
+}
+
+TEST(Versions, PageAndItsServerSpeakTheSame) {
+  EXPECT_EQ(NumberOf("kProtocol", TextOf("service/page/src/types.ts")),
+            NumberOf("kPageVersion", TextOf("service/monitor/page/page_messages.h")));
 }
 
 TEST(Versions, ChangelogHasTheVersionOfTheBuild) {
