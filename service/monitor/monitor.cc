@@ -168,11 +168,15 @@ void Monitor::HandleSceneAnswer() {
     return;
   }
   const Save save = std::exchange(save_, {});
-  if (answer->done && !answer->file.empty()) {
-    const std::string name = "touched-" + shown_.name;
-    server_->Send(save.page, std::make_shared<const std::string>(FileMessage(save.number, name, answer->file)), true);
-  }
-  Send(save.page, AnswerText(save.number, answer->done, answer->text));
+  if (!answer->done || answer->file.empty()) return Send(save.page, AnswerText(save.number, false, answer->text));
+  SendCopy(save, trial_ == nullptr ? base::Result<std::string>(answer->file) : trial_->Copy(answer->file));
+}
+
+void Monitor::SendCopy(const Save& save, const base::Result<std::string>& copy) {
+  if (!copy.ok()) return Send(save.page, AnswerText(save.number, false, copy.error()));
+  const std::string name = "touched-" + shown_.name;
+  server_->Send(save.page, std::make_shared<const std::string>(FileMessage(save.number, name, *copy)), true);
+  Send(save.page, AnswerText(save.number, true, name));
 }
 
 // Which scene the pages show, and its shapes.
@@ -334,6 +338,9 @@ struct Monitor::RequestHandler {
   void operator()(const SaveRequest& request) const {
     if (monitor.save_.command != 0) {
       return monitor.Send(page, AnswerText(request.number, false, "another copy is being made; wait for it"));
+    }
+    if (monitor.trial_ != nullptr && monitor.strokes_ <= 0) {
+      return monitor.SendCopy({.page = page, .number = request.number}, monitor.trial_->Copy(""));
     }
     const std::uint32_t command = monitor.connection_.SendSceneCommand(protocol::SceneAction::kSave, 0, "");
     monitor.save_ = {.page = page, .number = request.number, .command = command};

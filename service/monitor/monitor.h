@@ -70,6 +70,12 @@ class Monitor : private WebHandler {
     std::vector<ViewMaterial> materials;
   };
 
+  struct Save {
+    PageId page = 0;
+    std::uint32_t number = 0;   // of the page
+    std::uint32_t command = 0;  // of omnid; 0: none
+  };
+
   Monitor(const MonitorOptions& options, std::unique_ptr<Trial> trial);
 
   void OnPage(PageId page) override;
@@ -81,6 +87,7 @@ class Monitor : private WebHandler {
   void PollService(std::int64_t now_ns);
   void HandleStatus(const std::string& status);
   void HandleSceneAnswer();
+  void SendCopy(const Save& save, const base::Result<std::string>& copy);
   void FollowScene();
   void SendFrame();
   void SendScene(PageId id, Page& page);
@@ -110,11 +117,7 @@ class Monitor : private WebHandler {
   std::uint32_t load_requests_ = 0;
   SurfaceCopies surfaces_;
   bool surfaces_wanted_ = false;
-  struct Save {
-    PageId page = 0;
-    std::uint32_t number = 0;   // of the page
-    std::uint32_t command = 0;  // of omnid; 0: none
-  } save_;
+  Save save_;
   std::uint32_t edits_command_ = 0;  // of omnid: the last one that asked for the strokes
   int strokes_ = -1;
   std::uint64_t frames_ = 0;

@@ -41,9 +41,16 @@ struct ObjectSource {
   std::array<double, 4> rest_rotation_wxyz{1, 0, 0, 0};  // node in the document's frame (y up), unit, without its scale
   std::array<double, 3> rest_position_m{};
 };
+// Which haptic material a primitive has at a node.
+struct MaterialUse {
+  std::uint32_t mesh = 0, primitive = 0;  // in the document
+  std::uint16_t material = 0;             // of SceneInput::materials
+};
+
 struct LoadReport {
-  std::vector<ObjectSource> objects;  // one per object of the scene
-  std::string vehicle;                // name of the node that is the car; empty: there is none
+  std::vector<ObjectSource> objects;       // one per object of the scene
+  std::vector<MaterialUse> material_uses;  // of what is touched
+  std::string vehicle;                     // name of the node that is the car; empty: there is none
   std::vector<ExplainRow> rows;
   std::vector<std::string> warnings;  // unknown keys, clamped values: file, JSON pointer, value, range
   std::uint64_t file_bytes = 0;

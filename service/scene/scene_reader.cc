@@ -252,6 +252,7 @@ class SceneReader::Loader {
       object.double_sided = object.double_sided || tag.double_sided.value_or(false);
       object.kinematic = object.kinematic || tag.kinematic.value_or(false);
       const std::uint16_t material = binding_->MaterialIndex(MaterialFor(tag, node, *primitive), primitive->pointer);
+      report_.material_uses.push_back({*node.mesh, primitive->primitive, material});
       for (const glm::dmat4& place : places) Append(node, place, decoded, material, object);
     }
     if (Find(ElementOf(file_.root(), "nodes", node.node), "skin"))

@@ -1,5 +1,5 @@
 // node pictures.mjs FOLDER: pictures of omni try for the documents, and the animation of the README. What is shown is a
-// run of the real service on the digital twin; only the pointer is a script. Drawn as on a computer with a graphics card.
+// run of the real service on the digital twin; only the pointer is a script.
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { root } from './support/setup.mjs';
@@ -11,17 +11,9 @@ const folder = process.argv[2];
 const kWidth = 1280;
 const kHeight = 800;
 
-// The page draws with less detail where a processor draws, as here: hide that.
-const hideSoftware = () => {
-  const get = WebGL2RenderingContext.prototype.getExtension;
-  WebGL2RenderingContext.prototype.getExtension = function (name) {
-    return name === 'WEBGL_debug_renderer_info' ? null : get.call(this, name);
-  };
-};
-
 const program = await Program.start(['try', 'extrusion']);
 const browser = await launch();
-const visitor = await Visitor.open(browser, program.address, { viewport: { width: kWidth, height: kHeight }, script: hideSoftware });
+const visitor = await Visitor.open(browser, program.address, { viewport: { width: kWidth, height: kHeight } });
 const { page } = visitor;
 const ready = (name) => visitor.until('scene-state', (text) => text.includes(name) && /ready/.test(text), `${name} is ready`, 120);
 
@@ -50,6 +42,7 @@ const shot = async (name) => writeFileSync(join(folder, name), await page.screen
 
 await visitor.until('connection', (text) => text.includes('Connected'), 'the page connects');
 await ready('extrusion');
+await page.getByRole('button', { name: 'Full detail' }).click();
 const frames = [];
 const frame = async () => frames.push(await page.locator('#view').screenshot());
 await pressOn('block', 0.5);

@@ -1,24 +1,23 @@
 // Recording, replay data and files of the page (service/page/src/record), judged by slow references, by @mcap/core and
 // by parsing what was written. Run: node --test record.test.mjs
-// OMNI_PAGE_MODULES: the page's node_modules, for esbuild; default ../../service/page/node_modules.
-import { crc32 as referenceCrc32 } from '@foxglove/crc';
-import { McapIndexedReader, McapStreamReader } from '@mcap/core';
 import assert from 'node:assert/strict';
 import { mkdtempSync, rmSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
 import test from 'node:test';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 import { setFlagsFromString } from 'node:v8';
 import { runInNewContext } from 'node:vm';
+import { fromPage, fromTests } from './support/setup.mjs';
+
+const { McapIndexedReader, McapStreamReader } = fromTests('@mcap/core');
+const { crc32: referenceCrc32 } = fromTests('@foxglove/crc');
 
 const { Recorder, crc32, shortest } = await bundled();
 
 async function bundled() {
   const page = resolve(dirname(fileURLToPath(import.meta.url)), '../../service/page');
-  const modules = resolve(process.env.OMNI_PAGE_MODULES ?? join(page, 'node_modules'));
-  const esbuild = createRequire(join(modules, 'from-here.js'))('esbuild');
+  const esbuild = fromPage('esbuild');
   const folder = mkdtempSync(join(tmpdir(), 'omni-record-'));
   try {
     const outfile = join(folder, 'record.mjs');

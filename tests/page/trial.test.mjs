@@ -152,4 +152,19 @@ test('by keyboard alone: clay is touched, and the stop stops', async () => {
   await visitor.untilNumber('force', (force) => force > 0.03, 'it pushes again after the release');
 });
 
+test('a slider changes the material, and a copy of the scene keeps it', async () => {
+  const number = visitor.page.getByTestId('number-stiffness');
+  await number.fill('210');
+  await number.press('Enter');
+  await visitor.page.waitForTimeout(300);
+  const waiting = visitor.page.waitForEvent('download');
+  await visitor.page.locator('#save').click();
+  const download = await waiting;
+  const bytes = readFileSync(await download.path());
+  const json = JSON.parse(bytes.subarray(20, 20 + bytes.readUInt32LE(12)).toString('utf8'));
+  const saved = json.materials.map(({ extensions }) => extensions?.OMNI_haptic_material?.stiffness);
+  assert.ok(saved.includes(210), JSON.stringify(json.materials));
+  assert.match(download.suggestedFilename(), /\.glb$/);
+});
+
 test('nothing was complained of', () => assert.deepEqual(visitor.complaints, []));

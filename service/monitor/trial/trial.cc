@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "service/base/files/read_file.h"
 #include "service/base/files/whole_file.h"
 #include "service/base/sealed_memory.h"
+#include "service/scene/material_copy.h"
 
 namespace omni::monitor {
 namespace {
@@ -20,6 +22,11 @@ std::string ShownName(std::string_view name) {
     shown += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '_' : c;
   }
   return shown.empty() ? "dropped.glb" : shown;
+}
+
+bool SameNumbers(const base::MaterialParameters& a, const base::MaterialParameters& b) {
+  return std::all_of(base::kLiveFields.begin(), base::kLiveFields.end(),
+                     [&](const base::MaterialField* field) { return a.*field->live == b.*field->live; });
 }
 
 }  // namespace
@@ -142,6 +149,31 @@ bool Trial::SetMaterial(const MaterialRequest& request) {
   message.material = request.index;
   message.parameters = values;
   return connection_.Send(message);
+}
+
+base::Result<std::string> Trial::Copy(std::string_view sculpted) const {
+  if (scene_.view == nullptr) return base::Error{"there is no scene"};
+  std::string path = scene_.view->path;
+  if (!sculpted.empty()) {
+    path = options_.folder + "/copy.glb";
+    const base::Status written = base::WriteWholeFile(path, sculpted);
+    if (!written.ok()) return base::Error{written.error()};
+  }
+  scene::LoadReport report;
+  const auto input = scene::LoadSceneFile(path, {.touch_untagged = touch_untagged_}, report);
+  if (!input.ok()) return base::Error{input.error()};
+  // A sculpted copy numbers its materials in its own way: the same one has the same numbers.
+  std::vector<scene::ChangedMaterial> changed;
+  for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
+    const base::MaterialParameters& before = scene_.view->materials[i].values;
+    if (SameNumbers(scene_.materials[i].values, before)) continue;
+    for (std::size_t k = 0; k < input->materials.size(); ++k) {
+      if (!SameNumbers(base::Clamped(base::ParametersOf(input->materials[k])), before)) continue;
+      changed.push_back({.material = static_cast<std::uint16_t>(k), .values = scene_.materials[i].values});
+    }
+  }
+  if (changed.empty()) return base::ReadFile(path, protocol::kMaxHapticSceneBytes);
+  return scene::GlbWithMaterials(path, report.material_uses, changed);
 }
 
 std::string Trial::problem() const { return hand_.problem(); }

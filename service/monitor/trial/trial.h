@@ -44,6 +44,10 @@ class Trial {
   // False: there is no such material.
   bool SetMaterial(const MaterialRequest& request);
 
+  // The scene's file with the materials' present numbers. `sculpted`: omnid's copy of the sculpted scene; empty: the
+  // file as it was loaded.
+  base::Result<std::string> Copy(std::string_view sculpted) const;
+
   // What pages show. `number` counts the scenes, `revision` every change of one.
   struct Scene {
     std::uint32_t number = 0, revision = 0;

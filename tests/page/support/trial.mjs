@@ -51,9 +51,7 @@ export class Visitor {
   static async open(browser, address, options = {}) {
     const visitor = new Visitor();
     const { decode } = await load('decode.ts');
-    const { script, ...context } = options; // script: runs in the page before its own
-    visitor.context = await browser.newContext({ viewport: { width: 640, height: 560 }, ...context });
-    if (script) await visitor.context.addInitScript(script);
+    visitor.context = await browser.newContext({ viewport: { width: 640, height: 560 }, ...options });
     visitor.page = await visitor.context.newPage();
     visitor.complaints = [];
     visitor.page.on('console', (message) => {

@@ -1,6 +1,7 @@
 // The stage: the 3-D view with its buttons, the badges over it, and a text of what it shows.
 import type { View } from '../view/view';
 import { download, make, makeButton, setHidden, setText } from './dom';
+import { recall, remember } from './memory';
 import type { Actions, PageState } from './state';
 
 const kCameras = ['front', 'side', 'top', 'near'] as const;
@@ -14,6 +15,7 @@ export class Stage {
   private readonly text = make('p', { class: 'unseen', id: 'view-text', 'data-testid': 'view-text' });
   private readonly buttons = make('div', { class: 'cameras', role: 'group', 'aria-label': 'Camera' });
   private view: View | null = null;
+  private full = false; // detail
   private described_ms = -Infinity;
 
   constructor(private readonly actions: Actions) {
@@ -27,7 +29,11 @@ export class Stage {
     this.view = view;
     const cameras = kCameras.map((name) => makeButton(kWords[name], () => view.setCamera(name)));
     const picture = makeButton('Picture', () => void this.savePicture(), { title: 'Save a picture of the view' });
-    this.buttons.replaceChildren(...cameras, picture);
+    const detail = makeButton('Full detail', () => this.setDetail(view, detail, !this.full), {
+      title: 'Draw all of the detail, also where that is slow',
+    });
+    this.setDetail(view, detail, recall('detail') === 'full');
+    this.buttons.replaceChildren(...cameras, picture, detail);
   }
 
   update(state: PageState): void {
@@ -36,6 +42,13 @@ export class Stage {
     if (this.view === null || now_ms - this.described_ms < kDescribe_ms) return;
     this.described_ms = now_ms;
     setText(this.text, this.view.describe());
+  }
+
+  private setDetail(view: View, button: HTMLButtonElement, full: boolean): void {
+    this.full = full;
+    button.setAttribute('aria-pressed', String(full));
+    remember('detail', full ? 'full' : 'auto');
+    view.setDetail(full);
   }
 
   private async savePicture(): Promise<void> {

@@ -76,13 +76,16 @@ export class Stage {
   private readonly fill = new HemisphereLight(0xffffff, 0xffffff, 0.95);
   private size = new Vector2(1, 1);
   private quality = 0; // steps down
+  private full = false; // always all of the detail
   private slow_ms = 0;
+  private readonly least: number; // steps down to begin with
 
   // Throws if there is no WebGL 2.
   constructor(canvas: HTMLCanvasElement) {
     const software = drawsInSoftware();
     this.renderer = new WebGLRenderer({ canvas, antialias: !software, powerPreference: 'high-performance' });
-    this.quality = software ? kSoftware : 0;
+    this.least = software ? kSoftware : 0;
+    this.quality = this.least;
     this.renderer.toneMapping = NeutralToneMapping;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
@@ -118,15 +121,26 @@ export class Stage {
     this.renderer.render(this.scene, camera);
   }
 
+  // All of the detail, however slow that is; or as much as the machine can draw.
+  setDetail(full: boolean): void {
+    this.full = full;
+    this.slow_ms = 0;
+    this.setQuality(full ? 0 : this.least);
+  }
+
   // Receives how long a frame had to wait for its turn. On a machine without a graphics card (or with a weak one) fewer
   // pixels, then no shadows: the pen must follow the hand.
   pace(milliseconds: number): void {
-    if (!(milliseconds < kHidden_ms)) return;
+    if (this.full || !(milliseconds < kHidden_ms)) return;
     this.slow_ms = milliseconds > kSlow_ms ? this.slow_ms + milliseconds : Math.max(0, this.slow_ms - 2 * kSlow_ms);
     if (this.slow_ms < kPatience_ms || this.quality >= kPixelRatios.length - 1) return;
     this.slow_ms = 0;
-    this.quality += 1;
-    if (this.quality >= kNoShadows) this.key.castShadow = false;
+    this.setQuality(this.quality + 1);
+  }
+
+  private setQuality(quality: number): void {
+    this.quality = quality;
+    this.key.castShadow = quality < kNoShadows;
     this.resize(this.size.x, this.size.y);
   }
 

@@ -171,6 +171,12 @@ export class View {
     return this.parts.heightAt(x, y);
   }
 
+  // All of the detail, however slow that is; false: as much as the machine can draw.
+  setDetail(full: boolean): void {
+    this.drawing?.stage.setDetail(full);
+    this.invalidate();
+  }
+
   // A PNG of what is seen now.
   snapshot(): Promise<Blob> {
     this.drawing?.draw(this.orbitCamera.camera); // in this task: the canvas keeps its picture only that long
