@@ -153,6 +153,7 @@ test('by keyboard alone: clay is touched, and the stop stops', async () => {
 });
 
 test('a slider changes the material, and a copy of the scene keeps it', async () => {
+  await visitor.page.getByTestId('card-feel').evaluate((card) => (card.open = true)); // closed where there is little room
   const number = visitor.page.getByTestId('number-stiffness');
   await number.fill('210');
   await number.press('Enter');
