@@ -13,8 +13,6 @@ const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 // Pointer event -> first live message with the new aim, and with the pen 1 mm further; in the page's own time.
 async function latency() {
-  const begin = Date.now();
-  const program = await Program.start(['try', 'extrusion']);
   const browser = await launch();
   const visitor = await Visitor.open(browser, 'about:blank');
   const { page } = visitor;
@@ -42,10 +40,12 @@ async function latency() {
     };
     addEventListener('pointermove', () => (globalThis.moved_ms = performance.now()), true);
   });
+  const begin = Date.now();
+  const program = await Program.start(['try', 'extrusion']);
   await page.goto(program.address);
   await visitor.until('tracked', (text) => /tracked|No pen/.test(text), 'the page shows the first frame');
   const first_ms = await page.evaluate(() => globalThis.seen[0].t_ms + performance.timeOrigin);
-  console.log(`omni try: ${((first_ms - begin) / 1000).toFixed(2)} s from the command to the first live message (browser start included)`);
+  console.log(`omni try: ${((first_ms - begin) / 1000).toFixed(2)} s from the command to the first live message, in a browser that runs`);
   await page.getByRole('button', { name: 'Top', exact: true }).click();
   await visitor.press();
   await visitor.until('tracked', (text) => /is tracked/.test(text), 'the pen is there');

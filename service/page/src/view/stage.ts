@@ -9,7 +9,9 @@ import type { Palette } from './palette';
 
 const kPixelRatios = [2, 1, 1, 0.75, 0.5]; // at most, for each step of quality down
 const kNoShadows = 2; // from this step on
-const kSoftware = 3; // where a processor draws
+const kSoftware = 3; // where a processor draws: without reflections as well, which take it seconds to prepare
+const kFill = 0.95; // light from all sides ...
+const kPlainFill = 2.2; // ... and where nothing reflects the studio
 const kSlow_ms = 45; // frames that wait longer than this ...
 const kPatience_ms = 1000; // ... for so long in all cost a step of quality
 const kHidden_ms = 1000; // a longer wait: the page was not shown
@@ -73,7 +75,7 @@ export class Stage {
   private readonly renderer: WebGLRenderer;
   private readonly background = sky();
   private readonly key = new DirectionalLight(0xffffff, 1.7);
-  private readonly fill = new HemisphereLight(0xffffff, 0xffffff, 0.95);
+  private readonly fill = new HemisphereLight(0xffffff, 0xffffff, kFill);
   private size = new Vector2(1, 1);
   private quality = 0; // steps down
   private full = false; // always all of the detail
@@ -98,7 +100,8 @@ export class Stage {
     const box = this.key.shadow.camera;
     [box.left, box.right, box.bottom, box.top, box.near, box.far] = [-0.2, 0.2, -0.2, 0.2, 0.15, 0.9];
     this.scene.add(this.background, this.desk.group, this.key, this.fill);
-    this.reflect();
+    if (!software) this.reflect();
+    else this.fill.intensity = kPlainFill;
   }
 
   setPalette(palette: Palette): void {
@@ -125,6 +128,7 @@ export class Stage {
   setDetail(full: boolean): void {
     this.full = full;
     this.slow_ms = 0;
+    if (full && this.scene.environment === null) this.reflect();
     this.setQuality(full ? 0 : this.least);
   }
 
@@ -145,7 +149,12 @@ export class Stage {
   }
 
   // After a lost context: the reflections are made on the graphics card and are gone.
-  reflect(): void {
+  restore(): void {
+    if (this.scene.environment !== null) this.reflect();
+  }
+
+  private reflect(): void {
+    this.fill.intensity = kFill;
     const make = new PMREMGenerator(this.renderer);
     const room = studio();
     this.scene.environment?.dispose();

@@ -189,7 +189,7 @@ export class View {
     try {
       const drawing = new Drawing(this.canvas, this.parts);
       this.canvas.addEventListener('webglcontextrestored', () => {
-        drawing.stage.reflect();
+        drawing.stage.restore();
         this.invalidate();
       });
       return drawing;
