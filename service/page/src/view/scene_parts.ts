@@ -151,6 +151,6 @@ function materialOf(shape: Shape): MeshStandardMaterial {
     vertexColors: shape.colours !== null,
     side: DoubleSide, // sheets are touched, and seen, from both sides
   });
-  material.color.setRGB(...shape.colour); // linear, as three.js has it
+  if (shape.colours === null) material.color.setRGB(...shape.colour); // linear, as three.js has it
   return material;
 }
