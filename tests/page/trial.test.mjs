@@ -52,35 +52,50 @@ async function pressOn(name, force_N) {
   assert.fail(`${name} is not pressed: "${await visitor.text('touching')}", force ${await visitor.text('force')}`);
 }
 
-test('clay is pressed, taken hold of and pulled', async () => {
+// A hand in real time, on a machine that draws with its processor: what slips is tried again, as a person does.
+function scenario(name, run) {
+  test(name, async () => {
+    for (let attempt = 1; ; ++attempt) {
+      try {
+        await run();
+        return;
+      } catch (error) {
+        if (attempt === 3) throw error;
+      } finally {
+        await visitor.release();
+      }
+    }
+  });
+}
+
+scenario('clay is pressed, taken hold of and pulled', async () => {
+  await visitor.page.getByTestId('scene-extrusion').click();
   await visitor.until('scene-state', (text) => /extrusion.*ready/.test(text), 'the scene is ready');
   await visitor.until('strokes', (text) => text === '0 strokes', 'the clay is as it came');
-  // From 0.5 N on it takes hold within 0.2 s; of a pen that rests for 1.2 s it lets go. A slow machine may miss that.
-  for (let attempt = 0; attempt < 3 && !(visitor.highest > 0.057); ++attempt) {
-    await pressOn('block', 0.5);
-    await visitor.page.waitForTimeout(200);
-    for (let i = 0; i < 10; ++i) {
-      await lower(-3);
-      await visitor.page.waitForTimeout(30);
-    }
-    await visitor.release();
-    for (let i = 0; i < 20 && !(visitor.highest > 0.057); ++i) await visitor.page.waitForTimeout(100);
+  visitor.highest = 0.056;
+  await pressOn('block', 0.5); // so it takes hold within 0.2 s; of a pen that rests for 1.2 s it lets go
+  await visitor.page.waitForTimeout(200);
+  for (let i = 0; i < 10; ++i) {
+    await lower(-3);
+    await visitor.page.waitForTimeout(30);
   }
+  await visitor.release();
+  for (let i = 0; i < 20 && !(visitor.highest > 0.057); ++i) await visitor.page.waitForTimeout(100);
   const top_mm = 1e3 * visitor.highest;
   assert.ok(top_mm > 57, `the face came along: its highest point is at ${top_mm.toFixed(1)} mm, was at 56`);
   await visitor.until('strokes', (text) => parseInt(text, 10) >= 1, 'a stroke is made');
 });
 
-test('the dragon is dented', async () => {
+scenario('the dragon is dented', async () => {
   await visitor.page.getByTestId('scene-dragon').click();
   await visitor.until('scene-state', (text) => /dragon.*ready/.test(text), 'the scene is ready');
   await visitor.until('soft-body', (text) => !/comput/.test(text), 'its soft body is ready', 120);
   await pressOn('dragon', 0.5);
-  await visitor.untilNumber('dent', (dent) => dent > 0.3, 'the dragon gives way');
+  await visitor.untilNumber('dent', (dent) => dent > 0.3, 'the dragon gives way', 5);
   await visitor.release();
 });
 
-test('a lap is driven', async () => {
+scenario('a lap is driven', async () => {
   await visitor.page.getByTestId('scene-racetrack').click();
   await visitor.until('scene-state', (text) => /racetrack.*ready/.test(text), 'the scene is ready');
   const line = middleLine(join(root, 'scenes/racetrack.glb'));
@@ -92,7 +107,7 @@ test('a lap is driven', async () => {
   await visitor.page.waitForTimeout(500);
   const scale = (visitor.live.aim.tip[0] - first[0]) / 40;
   assert.ok(scale > 0, 'the aim follows the pointer to the right');
-  const end = Date.now() + 120_000;
+  const end = Date.now() + 60_000;
   const range_m = 0.013;
   while (Date.now() < end && !((await visitor.number('laps')) >= 1)) {
     const car = visitor.live.vehicle;
@@ -127,7 +142,8 @@ test('a file that is no model is named', async () => {
   await visitor.until('notices', (text) => /picture\.glb/.test(text), 'the page says what is wrong');
 });
 
-test('by keyboard alone: clay is touched, and the stop stops', async () => {
+scenario('by keyboard alone: clay is touched, and the stop stops', async () => {
+  if (/emergency stop/i.test(await visitor.text('problems'))) await visitor.page.getByTestId('stop').click();
   await visitor.page.getByTestId('scene-extrusion').focus();
   await visitor.page.keyboard.press('Enter');
   await visitor.until('scene-state', (text) => /extrusion.*ready/.test(text), 'the scene is ready');
