@@ -126,3 +126,19 @@ function(omni_test name)
   endif()
   omni_discover(test_${name} ${name} ${time} PROPERTIES ${properties})
 endfunction()
+
+# omni_npm(MODULES comment): installs the npm packages that package-lock.json of this folder names, into the build tree.
+# MODULES is set to their folder; what needs them depends on ${MODULES}/.installed.
+function(omni_npm modules comment)
+  set(folder ${CMAKE_CURRENT_BINARY_DIR}/node_modules)
+  add_custom_command(
+    OUTPUT ${folder}/.installed
+    COMMAND ${CMAKE_COMMAND} -E copy ${CMAKE_CURRENT_SOURCE_DIR}/package.json
+            ${CMAKE_CURRENT_SOURCE_DIR}/package-lock.json ${CMAKE_CURRENT_BINARY_DIR}
+    COMMAND ${NPM_PROGRAM} ci --ignore-scripts --no-audit --no-fund --loglevel=error
+    COMMAND ${CMAKE_COMMAND} -E touch ${folder}/.installed
+    WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}
+    DEPENDS package.json package-lock.json
+    COMMENT ${comment})
+  set(${modules} ${folder} PARENT_SCOPE)
+endfunction()

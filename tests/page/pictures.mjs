@@ -4,7 +4,7 @@ import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { root } from './support/setup.mjs';
 import { animate } from './support/apng.mjs';
-import { middleLine, steer } from './support/track.mjs';
+import { middleLine } from './support/track.mjs';
 import { launch, Program, Visitor } from './support/trial.mjs';
 
 const folder = process.argv[2];
@@ -17,27 +17,6 @@ const visitor = await Visitor.open(browser, program.address, { viewport: { width
 const { page } = visitor;
 const ready = (name) => visitor.until('scene-state', (text) => text.includes(name) && /ready/.test(text), `${name} is ready`, 120);
 
-async function bringPen(camera) {
-  await page.getByRole('button', { name: camera, exact: true }).click();
-  await page.locator('#view canvas').first().focus();
-  await page.keyboard.press('Delete');
-  await page.waitForTimeout(500);
-  await visitor.press();
-  await visitor.until('tracked', (text) => /is tracked/.test(text), 'the pen is there');
-}
-async function lower(pixels) {
-  await visitor.drag(0, pixels, 1);
-  await page.mouse.wheel(0, -7.5 * pixels);
-}
-async function pressOn(name, force_N) {
-  await bringPen('Front');
-  for (let i = 0; i < 80; ++i) {
-    const touched = (await visitor.text('touching')).includes(name);
-    if (touched && (await visitor.number('force')) > force_N) return;
-    await lower(touched ? 2 : 4);
-    await page.waitForTimeout(60);
-  }
-}
 const shot = async (name) => writeFileSync(join(folder, name), await page.screenshot());
 
 await visitor.until('connection', (text) => text.includes('Connected'), 'the page connects');
@@ -45,9 +24,9 @@ await ready('extrusion');
 await page.getByRole('button', { name: 'Full detail' }).click();
 const frames = [];
 const frame = async () => frames.push(await page.locator('#view').screenshot());
-await pressOn('block', 0.5);
+await visitor.pressOn('block', 0.5);
 for (let i = 0; i < 14; ++i) {
-  await lower(-3);
+  await visitor.lower(-3);
   await frame();
 }
 await visitor.release();
@@ -57,42 +36,28 @@ await shot('try-clay.png');
 await page.getByTestId('scene-dragon').click();
 await ready('dragon');
 await visitor.until('soft-body', (text) => /ready/.test(text), 'its soft body is ready', 120);
-await bringPen('Front');
+await visitor.bringPen('Front');
 for (let i = 0; i < 26; ++i) {
-  await lower(3);
+  await visitor.lower(3);
   if (i > 4) await frame();
 }
 await shot('try-dragon.png');
 for (let i = 0; i < 8; ++i) {
-  await lower(-6);
+  await visitor.lower(-6);
   await frame();
 }
 await visitor.release();
 
 await page.getByTestId('scene-racetrack').click();
 await ready('racetrack');
-const line = middleLine(join(root, 'scenes/racetrack.glb'));
-await bringPen('Top');
-await page.waitForTimeout(500);
-const first = visitor.live.aim.tip;
-await visitor.drag(40, 0, 4);
-await page.waitForTimeout(500);
-const scale = (visitor.live.aim.tip[0] - first[0]) / 40;
-const end = Date.now() + 14_000;
-for (let i = 0; Date.now() < end; ++i) {
-  const car = visitor.live.vehicle;
-  const stick = steer(line, { position: car.position, heading: car.heading });
-  const [x, y] = visitor.live.aim.tip;
-  await visitor.drag((stick.x * 0.013 - x) / scale, -(stick.y * 0.013 - y) / scale, 1);
-  await page.waitForTimeout(30);
-}
+await visitor.drive(middleLine(join(root, 'scenes/racetrack.glb')), 14, () => false);
 await shot('try-race.png');
 await visitor.release();
 
 await page.emulateMedia({ colorScheme: 'dark' });
 await page.getByTestId('scene-dragon').click();
 await ready('dragon');
-await pressOn('dragon', 0.4);
+await visitor.pressOn('dragon', 0.4);
 await page.waitForTimeout(600);
 await shot('try-dark.png');
 await visitor.release();

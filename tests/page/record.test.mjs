@@ -1,39 +1,17 @@
 // Recording, replay data and files of the page (service/page/src/record), judged by slow references, by @mcap/core and
 // by parsing what was written. Run: node --test record.test.mjs
 import assert from 'node:assert/strict';
-import { mkdtempSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { dirname, join, resolve } from 'node:path';
 import test from 'node:test';
-import { fileURLToPath, pathToFileURL } from 'node:url';
 import { setFlagsFromString } from 'node:v8';
 import { runInNewContext } from 'node:vm';
-import { fromPage, fromTests } from './support/setup.mjs';
+import { fromTests, load } from './support/setup.mjs';
 
 const { McapIndexedReader, McapStreamReader } = fromTests('@mcap/core');
 const { crc32: referenceCrc32 } = fromTests('@foxglove/crc');
 
-const { Recorder, crc32, shortest } = await bundled();
-
-async function bundled() {
-  const page = resolve(dirname(fileURLToPath(import.meta.url)), '../../service/page');
-  const esbuild = fromPage('esbuild');
-  const folder = mkdtempSync(join(tmpdir(), 'omni-record-'));
-  try {
-    const outfile = join(folder, 'record.mjs');
-    const contents = "export * from './recorder'; export { crc32 } from './crc32'; export { shortest } from './text';";
-    esbuild.buildSync({
-      stdin: { contents, resolveDir: join(page, 'src/record'), loader: 'ts' },
-      bundle: true,
-      format: 'esm',
-      target: 'es2022',
-      outfile,
-    });
-    return await import(pathToFileURL(outfile).href);
-  } finally {
-    rmSync(folder, { recursive: true });
-  }
-}
+const { Recorder } = await load('record/recorder.ts');
+const { crc32 } = await load('record/crc32.ts');
+const { shortest } = await load('record/text.ts');
 
 // ---- Made up recordings, the same for the same seed
 

@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { root } from './support/setup.mjs';
-import { middleLine, steer } from './support/track.mjs';
+import { middleLine } from './support/track.mjs';
 import { launch, Program, Visitor } from './support/trial.mjs';
 
 let program, browser, visitor;
@@ -21,36 +21,6 @@ after(async () => {
   await browser?.close();
   assert.equal(await program?.stop(), 0, 'Ctrl-C ends it');
 });
-
-const canvas = () => visitor.page.locator('#view canvas').first();
-
-// Takes the pen away and brings it again, by a press in the middle of the view. The pointer stays down.
-async function bringPen(camera) {
-  await visitor.page.getByRole('button', { name: camera, exact: true }).click();
-  await canvas().focus();
-  await visitor.page.keyboard.press('Delete');
-  await visitor.until('tracked', (text) => /No pen/.test(text), 'the pen is taken away');
-  await visitor.press();
-  await visitor.until('tracked', (text) => /is tracked/.test(text), 'the pen is there');
-}
-
-// Straight down: the front camera looks down by 22 degrees, so the wheel pushes as far as the drag comes nearer.
-async function lower(pixels) {
-  await visitor.drag(0, pixels, 1);
-  await visitor.page.mouse.wheel(0, -7.5 * pixels);
-}
-
-// Lowers the pen until it presses on something.
-async function pressOn(name, force_N) {
-  await bringPen('Front');
-  for (let i = 0; i < 60; ++i) {
-    const touched = (await visitor.text('touching')).includes(name);
-    if (touched && (await visitor.number('force')) > force_N) return;
-    await lower(touched ? 2 : 4);
-    await visitor.page.waitForTimeout(100);
-  }
-  assert.fail(`${name} is not pressed: "${await visitor.text('touching')}", force ${await visitor.text('force')}`);
-}
 
 // A hand in real time, on a machine that draws with its processor: what slips is tried again, as a person does.
 function scenario(name, run) {
@@ -73,10 +43,10 @@ scenario('clay is pressed, taken hold of and pulled', async () => {
   await visitor.until('scene-state', (text) => /extrusion.*ready/.test(text), 'the scene is ready');
   await visitor.until('strokes', (text) => text === '0 strokes', 'the clay is as it came');
   visitor.highest = 0.056;
-  await pressOn('block', 0.5); // so it takes hold within 0.2 s; of a pen that rests for 1.2 s it lets go
+  await visitor.pressOn('block', 0.5); // so it takes hold within 0.2 s; of a pen that rests for 1.2 s it lets go
   await visitor.page.waitForTimeout(200);
   for (let i = 0; i < 10; ++i) {
-    await lower(-3);
+    await visitor.lower(-3);
     await visitor.page.waitForTimeout(30);
   }
   await visitor.release();
@@ -90,7 +60,7 @@ scenario('the dragon is dented', async () => {
   await visitor.page.getByTestId('scene-dragon').click();
   await visitor.until('scene-state', (text) => /dragon.*ready/.test(text), 'the scene is ready');
   await visitor.until('soft-body', (text) => !/comput/.test(text), 'its soft body is ready', 120);
-  await pressOn('dragon', 0.5);
+  await visitor.pressOn('dragon', 0.5);
   await visitor.untilNumber('dent', (dent) => dent > 0.3, 'the dragon gives way', 5);
   await visitor.release();
 });
@@ -99,24 +69,7 @@ scenario('a lap is driven', async () => {
   await visitor.page.getByTestId('scene-racetrack').click();
   await visitor.until('scene-state', (text) => /racetrack.*ready/.test(text), 'the scene is ready');
   const line = middleLine(join(root, 'scenes/racetrack.glb'));
-  await bringPen('Top');
-  // How far the aim moves for a pixel, and where the stick is in the middle.
-  await visitor.page.waitForTimeout(500);
-  const first = visitor.live.aim.tip;
-  await visitor.drag(40, 0, 4);
-  await visitor.page.waitForTimeout(500);
-  const scale = (visitor.live.aim.tip[0] - first[0]) / 40;
-  assert.ok(scale > 0, 'the aim follows the pointer to the right');
-  const end = Date.now() + 60_000;
-  const range_m = 0.013;
-  while (Date.now() < end && !((await visitor.number('laps')) >= 1)) {
-    const car = visitor.live.vehicle;
-    assert.ok(car, 'there is a car');
-    const stick = steer(line, { position: car.position, heading: car.heading });
-    const [x, y] = visitor.live.aim.tip;
-    await visitor.drag((stick.x * range_m - x) / scale, -(stick.y * range_m - y) / scale, 1);
-    await visitor.page.waitForTimeout(30);
-  }
+  await visitor.drive(line, 60, async () => (await visitor.number('laps')) >= 1);
   assert.ok((await visitor.number('laps')) >= 1, 'a lap is finished');
   await visitor.release();
 });
@@ -147,7 +100,7 @@ scenario('by keyboard alone: clay is touched, and the stop stops', async () => {
   await visitor.page.getByTestId('scene-extrusion').focus();
   await visitor.page.keyboard.press('Enter');
   await visitor.until('scene-state', (text) => /extrusion.*ready/.test(text), 'the scene is ready');
-  await canvas().focus();
+  await visitor.canvas.focus();
   await visitor.page.keyboard.press('Home');
   for (let i = 0; i < 200 && !/block/.test(await visitor.text('touching')); ++i) {
     await visitor.page.keyboard.press('PageDown');

@@ -2,12 +2,12 @@
 import { Hand } from './hand/hand';
 import { Link } from './link';
 import type { LinkState } from './link';
-import { download } from './panels/dom';
+import { download } from './ui/dom';
 import { Notices } from './panels/notices';
 import { Page } from './panels/page';
 import { Signals } from './panels/signals';
 import type { Actions, PageState } from './panels/state';
-import { Theme } from './panels/theme';
+import { Theme } from './ui/theme';
 import { Recorder } from './record/recorder';
 import { History } from './strips/history';
 import './style.css';

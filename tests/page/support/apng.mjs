@@ -1,17 +1,10 @@
 // Still pictures of one size -> one animated PNG (https://wiki.mozilla.org/APNG_Specification): the image data of each
 // further picture becomes a frame. Every picture is a PNG as Chromium writes it.
+import { load } from './setup.mjs';
+
 const kSignature = Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a]);
 
-const kTable = Uint32Array.from({ length: 256 }, (_, n) => {
-  for (let k = 0; k < 8; ++k) n = n & 1 ? 0xedb88320 ^ (n >>> 1) : n >>> 1;
-  return n;
-});
-
-function crc32(bytes) {
-  let crc = 0xffffffff;
-  for (const byte of bytes) crc = kTable[(crc ^ byte) & 0xff] ^ (crc >>> 8);
-  return (crc ^ 0xffffffff) >>> 0;
-}
+const { crc32 } = await load('record/crc32.ts');
 
 function chunk(type, data) {
   const named = Buffer.concat([Buffer.from(type, 'latin1'), data]);

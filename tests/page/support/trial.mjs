@@ -5,6 +5,9 @@ import { mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { build, chromiumPath, fromTests, load } from './setup.mjs';
+import { steer } from './track.mjs';
+
+const kStick_m = 0.013; // from the middle to full deflection, nearly
 
 // A program that prints "open ADDRESS". `cache`: a folder that may be shared, for soft bodies that take long to compute.
 export class Program {
@@ -105,9 +108,8 @@ export class Visitor {
 
   // Drags on the 3-D view; the pointer stays down. Pixels from the middle of the view.
   async press(dx = 0, dy = 0) {
-    const canvas = this.page.locator('#view canvas').first();
-    await canvas.evaluate((element) => element.scrollIntoView({ block: 'center' }));
-    const box = await canvas.boundingBox();
+    await this.canvas.evaluate((element) => element.scrollIntoView({ block: 'center' }));
+    const box = await this.canvas.boundingBox();
     this.pointer = { x: box.x + box.width / 2 + dx, y: box.y + box.height / 2 + dy };
     await this.page.mouse.move(this.pointer.x, this.pointer.y);
     await this.page.mouse.down();
@@ -118,6 +120,58 @@ export class Visitor {
   }
   release() {
     return this.page.mouse.up();
+  }
+
+  get canvas() {
+    return this.page.locator('#view canvas').first();
+  }
+
+  // Takes the pen away and brings it again, by a press in the middle of the view. The pointer stays down.
+  async bringPen(camera) {
+    await this.page.getByRole('button', { name: camera, exact: true }).click();
+    await this.canvas.focus();
+    await this.page.keyboard.press('Delete');
+    await this.until('tracked', (text) => /No pen/.test(text), 'the pen is taken away');
+    await this.press();
+    await this.until('tracked', (text) => /is tracked/.test(text), 'the pen is there');
+  }
+
+  // Straight down: the front camera looks down by 22 degrees, so the wheel pushes as far as the drag comes nearer.
+  async lower(pixels) {
+    await this.drag(0, pixels, 1);
+    await this.page.mouse.wheel(0, -7.5 * pixels);
+  }
+
+  // Lowers the pen until it presses on something.
+  async pressOn(name, force_N) {
+    await this.bringPen('Front');
+    for (let i = 0; i < 60; ++i) {
+      const touched = (await this.text('touching')).includes(name);
+      if (touched && (await this.number('force')) > force_N) return;
+      await this.lower(touched ? 2 : 4);
+      await this.page.waitForTimeout(100);
+    }
+    throw new Error(`${name} is not pressed: "${await this.text('touching')}", force ${await this.text('force')}`);
+  }
+
+  // Leads the pen as a stick that steers the car along a line, until `done`.
+  async drive(line, seconds, done) {
+    await this.bringPen('Top');
+    // How far the aim moves for a pixel.
+    await this.page.waitForTimeout(500);
+    const first = this.live.aim.tip;
+    await this.drag(40, 0, 4);
+    await this.page.waitForTimeout(500);
+    const scale = (this.live.aim.tip[0] - first[0]) / 40;
+    if (!(scale > 0)) throw new Error('the aim does not follow the pointer to the right');
+    const end = Date.now() + 1000 * seconds;
+    while (Date.now() < end && !(await done())) {
+      if (!this.live.vehicle) throw new Error('there is no car');
+      const stick = steer(line, this.live.vehicle);
+      const [x, y] = this.live.aim.tip;
+      await this.drag((stick.x * kStick_m - x) / scale, -(stick.y * kStick_m - y) / scale, 1);
+      await this.page.waitForTimeout(30);
+    }
   }
 
   close() {

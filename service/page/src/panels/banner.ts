@@ -1,5 +1,5 @@
 // A line across the page while something is wrong with the connection or with the page itself: what, and what to do.
-import { make, makeButton, setHidden, setText } from './dom';
+import { make, makeButton, setHidden, setText } from '../ui/dom';
 import { connectionOf } from './header';
 import type { PageState } from './state';
 

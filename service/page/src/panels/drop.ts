@@ -1,6 +1,6 @@
 // Files that are dropped on the page, or chosen: checked here, so that a wrong one gets a clear answer at once.
-import { make, setHidden } from './dom';
-import { size } from './format';
+import { make, setHidden } from '../ui/dom';
+import { size } from '../ui/format';
 import type { Actions, PageState } from './state';
 
 const kMagic = 0x46546c67; // "glTF"

@@ -1,8 +1,8 @@
 // Feel: what the materials of the person's own scene are like, changed while they are touched; undo and redo of what
 // was sculpted; and a copy of it all as a file.
-import { Card } from './card';
-import { make, makeButton, setHidden, setText } from './dom';
-import { FieldSlider } from './slider';
+import { Card } from '../ui/card';
+import { make, makeButton, setHidden, setText } from '../ui/dom';
+import { FieldSlider } from '../ui/slider';
 import { canControl, statusOf } from './state';
 import type { Actions, PageState, Panel } from './state';
 import type { AnswerMessage, FileBytes, Hello, SceneMessage } from '../types';

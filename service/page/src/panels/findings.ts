@@ -1,5 +1,5 @@
 // Everything that is not as it should be, and what to do about it: from status, faults and the page's own watch.
-import { plural } from './format';
+import { plural } from '../ui/format';
 import { statusOf } from './state';
 import type { PageState } from './state';
 import type { Status } from '../types';

@@ -1,11 +1,11 @@
 // The top of the page: what this is, whether it is a simulation, which scene, whether there is a connection, and the
 // emergency stop.
-import { make, setAttribute, setHidden, setText } from './dom';
-import { clock, plural } from './format';
+import { make, setAttribute, setHidden, setText } from '../ui/dom';
+import { clock, plural } from '../ui/format';
 import { StopButton } from './stop';
 import { statusOf } from './state';
 import type { Actions, PageState } from './state';
-import type { Theme } from './theme';
+import type { Theme } from '../ui/theme';
 
 const kSilent_s = 1; // without a message: said
 

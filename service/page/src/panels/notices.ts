@@ -1,5 +1,5 @@
 // Notices: what just happened. Good news go by themselves; warnings and errors stay until the person has seen them.
-import { make, makeButton } from './dom';
+import { make, makeButton } from '../ui/dom';
 
 type Level = 'info' | 'warning' | 'error';
 

@@ -1,7 +1,7 @@
 // Now: what is going on, in plain words and a few numbers.
-import { Card } from './card';
-import { make, setAttribute, setHidden, setText } from './dom';
-import { fixed, mm, plural } from './format';
+import { Card } from '../ui/card';
+import { make, setAttribute, setHidden, setText } from '../ui/dom';
+import { fixed, mm, plural } from '../ui/format';
 import { length } from './signals';
 import type { PageState, Panel } from './state';
 import { forceNote, owner, race, softBodies, touching, tracking } from './words';

@@ -3,7 +3,7 @@ import { StripBoard } from '../strips/board';
 import type { History } from '../strips/history';
 import { Banner } from './banner';
 import { CoveragePanel } from './coverage';
-import { make, setAttribute } from './dom';
+import { make, setAttribute } from '../ui/dom';
 import { DropTarget } from './drop';
 import { FeelPanel } from './feel';
 import { Header, connectionOf } from './header';
@@ -13,10 +13,10 @@ import { ProblemsPanel } from './problems';
 import { ReplayBar } from './replay';
 import { ScenesPanel } from './scenes';
 import { EnvironmentPanel, HandPanel, InputsPanel } from './simple';
-import { Splitter } from './splitter';
+import { Splitter } from '../ui/splitter';
 import { Stage } from './stage';
 import type { Actions, PageState, Panel } from './state';
-import type { Theme } from './theme';
+import type { Theme } from '../ui/theme';
 import { TickPanel } from './tick';
 
 export interface PageEvents {

@@ -1,9 +1,9 @@
 // Problems and what to do. A fault of one millisecond is seen, and stays long enough to be read.
-import { Card } from './card';
-import { KeyedList, make, setAttribute, setHidden, setText } from './dom';
+import { Card } from '../ui/card';
+import { KeyedList, make, setAttribute, setHidden, setText } from '../ui/dom';
 import { findings } from './findings';
 import type { Finding, Watched } from './findings';
-import { plural } from './format';
+import { plural } from '../ui/format';
 import { statusOf } from './state';
 import type { PageState, Panel } from './state';
 import type { Live } from '../types';

@@ -1,8 +1,8 @@
 // Record and replay: the bar below the view. The newest minutes are always kept; what is shown is either live or, with
 // a badge that cannot be missed, a replay.
 import type { Recorder } from '../record/recorder';
-import { download, make, makeButton, setAttribute, setHidden, setPressed, setText } from './dom';
-import { clock, size } from './format';
+import { download, make, makeButton, setAttribute, setHidden, setPressed, setText } from '../ui/dom';
+import { clock, size } from '../ui/format';
 import { stamp } from './stage';
 import type { Actions } from './state';
 import { Timeline } from './timeline';

@@ -1,8 +1,8 @@
 // What there is to touch: scenes to choose from, and the person's own models.
-import { Card } from './card';
-import { make, makeButton, setAttribute, setHidden, setText } from './dom';
+import { Card } from '../ui/card';
+import { make, makeButton, setAttribute, setHidden, setText } from '../ui/dom';
 import type { DropTarget } from './drop';
-import { size } from './format';
+import { size } from '../ui/format';
 import { canControl } from './state';
 import type { Actions, PageState, Panel } from './state';
 import type { SceneChoice } from '../types';

@@ -1,7 +1,7 @@
 // Small panels: the keys of the hand, what makes an application use the pen, and the pen's inputs.
-import { Card } from './card';
-import { make, makeButton, setHidden, setText } from './dom';
-import { fixed } from './format';
+import { Card } from '../ui/card';
+import { make, makeButton, setHidden, setText } from '../ui/dom';
+import { fixed } from '../ui/format';
 import { kStopKey } from './stop';
 import type { Actions, PageState, Panel } from './state';
 

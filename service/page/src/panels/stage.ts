@@ -1,7 +1,7 @@
 // The stage: the 3-D view with its buttons, the badges over it, and a text of what it shows.
 import type { View } from '../view/view';
-import { download, make, makeButton, setHidden, setText } from './dom';
-import { recall, remember } from './memory';
+import { download, make, makeButton, setHidden, setText } from '../ui/dom';
+import { recall, remember } from '../ui/memory';
 import type { Actions, PageState } from './state';
 
 const kCameras = ['front', 'side', 'top', 'near'] as const;

@@ -1,6 +1,6 @@
 // The emergency stop: always there, also on a page that may only watch. F9 does the same: a key that types nothing,
 // scrolls nothing and is on every keyboard.
-import { make, setAttribute, setText } from './dom';
+import { make, setAttribute, setText } from '../ui/dom';
 import { statusOf } from './state';
 import type { Actions, PageState } from './state';
 

@@ -1,6 +1,6 @@
 // The time line: a slider over the kept minutes, with the range that would be exported marked in it.
-import { make, setAttribute, setHidden } from './dom';
-import { clock } from './format';
+import { make, setAttribute, setHidden } from '../ui/dom';
+import { clock } from '../ui/format';
 
 export class Timeline {
   readonly root: HTMLElement;

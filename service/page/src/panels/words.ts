@@ -1,5 +1,5 @@
 // What is going on, in plain words.
-import { fixed, mm, plural } from './format';
+import { fixed, mm, plural } from '../ui/format';
 import { length } from './signals';
 import { statusOf } from './state';
 import type { PageState } from './state';

@@ -1,8 +1,8 @@
 // One strip: lines of one unit over the last seconds, and the list of their present values.
 import uPlot from 'uplot';
-import { make, setAttribute, setHidden, setPressed, setText } from '../panels/dom';
-import { fixed, shownUnit } from '../panels/format';
-import type { Theme } from '../panels/theme';
+import { make, setAttribute, setHidden, setPressed, setText } from '../ui/dom';
+import { fixed, shownUnit } from '../ui/format';
+import type { Theme } from '../ui/theme';
 import type { Live } from '../types';
 import { Columns } from './columns';
 import type { Window } from './columns';

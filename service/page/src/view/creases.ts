@@ -3,9 +3,12 @@
 const kSharp = Math.cos((48 * Math.PI) / 180); // between faces that belong together
 const kManyFaces = 24; // a vertex of more is taken as round
 
-// Unit normals of the triangles, 0 for those without area.
-export function faceNormals(positions: Float32Array, triangles: Uint32Array): Float32Array {
-  const normals = new Float32Array(triangles.length);
+// For each triangle: its place in `triangles`, those of its corners in `positions`, and its normal times twice its area.
+function eachTriangle(
+  positions: Float32Array,
+  triangles: Uint32Array,
+  visit: (t: number, a: number, b: number, c: number, nx: number, ny: number, nz: number) => void,
+): void {
   for (let t = 0; t < triangles.length; t += 3) {
     const [a, b, c] = [3 * triangles[t]!, 3 * triangles[t + 1]!, 3 * triangles[t + 2]!];
     const ux = positions[b]! - positions[a]!;
@@ -14,15 +17,20 @@ export function faceNormals(positions: Float32Array, triangles: Uint32Array): Fl
     const vx = positions[c]! - positions[a]!;
     const vy = positions[c + 1]! - positions[a + 1]!;
     const vz = positions[c + 2]! - positions[a + 2]!;
-    const nx = uy * vz - uz * vy;
-    const ny = uz * vx - ux * vz;
-    const nz = ux * vy - uy * vx;
+    visit(t, a, b, c, uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx);
+  }
+}
+
+// Unit normals of the triangles, 0 for those without area.
+export function faceNormals(positions: Float32Array, triangles: Uint32Array): Float32Array {
+  const normals = new Float32Array(triangles.length);
+  eachTriangle(positions, triangles, (t, _a, _b, _c, nx, ny, nz) => {
     const n = Math.hypot(nx, ny, nz);
-    if (!(n > 1e-16)) continue;
+    if (!(n > 1e-16)) return;
     normals[t] = nx / n;
     normals[t + 1] = ny / n;
     normals[t + 2] = nz / n;
-  }
+  });
   return normals;
 }
 
@@ -85,24 +93,14 @@ function smoothSides(faces: number[], close: (a: number, b: number) => boolean):
 // Normals of the vertices, weighted by area, into `out`.
 export function vertexNormals(positions: Float32Array, index: Uint32Array, count: number, out: Float32Array): void {
   out.fill(0, 0, 3 * count);
-  for (let t = 0; t < index.length; t += 3) {
-    const [a, b, c] = [3 * index[t]!, 3 * index[t + 1]!, 3 * index[t + 2]!];
-    const ux = positions[b]! - positions[a]!;
-    const uy = positions[b + 1]! - positions[a + 1]!;
-    const uz = positions[b + 2]! - positions[a + 2]!;
-    const vx = positions[c]! - positions[a]!;
-    const vy = positions[c + 1]! - positions[a + 1]!;
-    const vz = positions[c + 2]! - positions[a + 2]!;
-    // In units in which the squares of small triangles do not get lost in 32 bits.
-    const nx = 1e6 * (uy * vz - uz * vy);
-    const ny = 1e6 * (uz * vx - ux * vz);
-    const nz = 1e6 * (ux * vy - uy * vx);
+  eachTriangle(positions, index, (_t, a, b, c, nx, ny, nz) => {
     for (const v of [a, b, c]) {
-      out[v]! += nx;
-      out[v + 1]! += ny;
-      out[v + 2]! += nz;
+      // In units in which the squares of small triangles do not get lost in 32 bits.
+      out[v]! += 1e6 * nx;
+      out[v + 1]! += 1e6 * ny;
+      out[v + 2]! += 1e6 * nz;
     }
-  }
+  });
   for (let v = 0; v < 3 * count; v += 3) {
     const n = Math.hypot(out[v]!, out[v + 1]!, out[v + 2]!) || 1;
     out[v]! /= n;
