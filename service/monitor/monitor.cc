@@ -1,12 +1,15 @@
 #include "service/monitor/monitor.h"
 
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <utility>
 #include <variant>
 
 #include <nlohmann/json.hpp>
 
 #include "service/base/clock.h"
+#include "service/base/files/json_values.h"
 #include "service/monitor/page/channels.h"
 #include "service/monitor/web/access.h"
 
@@ -17,28 +20,17 @@ using nlohmann::json;
 
 constexpr std::int64_t kStatusPeriod_ns = 500'000'000;
 
-// Null: it is not there.
-json At(const json& object, const char* key) {
-  return object.is_object() && object.contains(key) ? object.at(key) : json();
-}
-
-std::string TextOf(const json& value) { return value.is_string() ? value.get<std::string>() : std::string(); }
-bool TruthOf(const json& value) { return value.is_boolean() && value.get<bool>(); }
-double NumberOr(const json& value, double otherwise) { return value.is_number() ? value.get<double>() : otherwise; }
-
-std::string FileName(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
-
 // How omnid has loaded its scene: /scene/load of its status.
 scene::LoadOptions OptionsOf(const json& load, double hull_radius_m) {
   scene::LoadOptions options;
   options.hull_radius_m = hull_radius_m;
-  options.touch_untagged = TruthOf(At(load, "touch_untagged"));
-  options.fit = TruthOf(At(load, "fit"));
-  options.scale = NumberOr(At(load, "scale"), 1);
-  const json offset = At(load, "offset_base_m");
-  if (offset.is_array() && offset.size() == 3) {
-    options.offset_base_m = {NumberOr(offset[0], 0), NumberOr(offset[1], 0), NumberOr(offset[2], 0)};
-  }
+  options.touch_untagged = base::TrueAt(load, "/touch_untagged");
+  options.fit = base::TrueAt(load, "/fit");
+  const double scale = base::NumberAt(load, "/scale");
+  if (!std::isnan(scale)) options.scale = scale;
+  const base::Vec3 offset_m{base::NumberAt(load, "/offset_base_m/0"), base::NumberAt(load, "/offset_base_m/1"),
+                            base::NumberAt(load, "/offset_base_m/2")};
+  if (!std::isnan(base::Norm(offset_m))) options.offset_base_m = offset_m;
   return options;
 }
 
@@ -69,7 +61,7 @@ Monitor::Monitor(const MonitorOptions& options, std::unique_ptr<Trial> trial)
                    .socket_path = options.socket_path,
                    .retry_interval_ns = trial_ == nullptr ? 500'000'000 : 50'000'000}),
       hello_text_(HelloText(options.hello)),
-      status_text_(StatusText(false, "not connected yet", "", -1)) {}
+      status_text_(StatusText(false, "not connected yet", nullptr, -1)) {}
 
 Monitor::~Monitor() { server_.reset(); }
 
@@ -82,8 +74,7 @@ std::string Monitor::Hello() { return json{{"protocol", kPageVersion}, {"version
 void Monitor::Step() {
   const std::int64_t before_ns = base::MonotonicNow_ns();
   // A computer that slept, or a slow frame: the frames that were missed are not made up for.
-  next_frame_ns_ = std::max(next_frame_ns_ + kFramePeriod_ns, before_ns);
-  next_frame_ns_ = std::min(next_frame_ns_, before_ns + kFramePeriod_ns);
+  next_frame_ns_ = std::clamp(next_frame_ns_ + kFramePeriod_ns, before_ns, before_ns + kFramePeriod_ns);
   server_->RunUntil(next_frame_ns_);
   PollService(base::MonotonicNow_ns());
   FollowScene();
@@ -106,54 +97,52 @@ void Monitor::PollService(std::int64_t now_ns) {
   was_connected_ = connection_.connected();
   if (!was_connected_ && (changed || now_ns >= next_status_ns_)) {
     next_status_ns_ = now_ns + kStatusPeriod_ns;
-    status_.clear();
     const std::string& why = connection_.last_error();
-    status_text_ = StatusText(false, why.empty() ? "waiting for omnid" : why, "", -1);
+    status_text_ = StatusText(false, why.empty() ? "waiting for omnid" : why, nullptr, -1);
     SendAll(status_text_);
   }
   if (!was_connected_) return;
   if ((changed || now_ns >= next_status_ns_) && connection_.Send(protocol::StatusRequest{})) {
     next_status_ns_ = now_ns + kStatusPeriod_ns;
   }
-  if (std::string status = connection_.PopStatus(); !status.empty()) HandleStatus(status);
+  if (const json status = base::ParseJsonOrNull(connection_.PopStatus()); status.is_object()) HandleStatus(status);
 }
 
-void Monitor::HandleStatus(const std::string& status) {
-  if (!base::CheckJson(status, kStatusLimits).ok()) return;
-  status_ = status;
+void Monitor::HandleStatus(const json& status) {
   status_text_ = StatusText(true, "", status, strokes_);
   SendAll(status_text_);
-  const json sculpted = At(At(json::parse(status), "scene"), "sculpted");
-  if (!(NumberOr(sculpted, 0) > 0)) {
+  if (!(base::NumberAt(status, "/scene/sculpted") > 0)) {
     strokes_ = -1;
   } else if (save_.command == 0) {  // its answer would take the place of the copy's
     edits_command_ = connection_.SendSceneCommand(protocol::SceneAction::kEdits, 0, "");
   }
-  if (trial_ != nullptr) return;
-  const json scene = At(json::parse(status), "scene");
-  const json load = At(scene, "load");
-  const std::string path = TextOf(At(scene, "name"));
-  shown_.generation = static_cast<std::uint64_t>(std::max(0.0, NumberOr(At(scene, "generation"), 0)));
-  const std::string wanted = path + load.dump();
+  if (trial_ == nullptr) FollowOwner(status);
+}
+
+// The scene of the application that has the pen.
+void Monitor::FollowOwner(const json& status) {
+  const std::string path = base::StringAt(status, "/scene/name");
+  const json* load = base::ValueAt(status, "/scene/load");
+  const double generation = base::NumberAt(status, "/scene/generation");
+  owners_scene_.generation = generation > 0 ? static_cast<std::uint64_t>(generation) : 0;
+  const std::string wanted = path + (load == nullptr ? std::string() : load->dump());
   if (wanted == followed_) return;
   followed_ = wanted;
-  ++shown_.number;
-  ++shown_.revision;
-  shown_.name = FileName(path);
-  shown_.view.reset();
-  shown_.materials.clear();
-  shown_.text.clear();
-  shown_.state = path.empty() ? SceneState::kNone : SceneState::kLoading;
+  owners_scene_ = {.number = owners_scene_.number + 1,
+                   .revision = owners_scene_.revision + 1,
+                   .name = std::filesystem::path(path).filename(),
+                   .state = path.empty() ? SceneState::kNone : SceneState::kLoading,
+                   .generation = owners_scene_.generation};
   if (path.empty()) return;
-  if (load.is_null()) {
-    shown_.state = SceneState::kReady;
-    shown_.text = "the application has handed over this scene itself: only what changes in it is drawn";
+  if (load == nullptr || load->is_null()) {
+    owners_scene_.state = SceneState::kReady;
+    owners_scene_.text = "the application has handed over this scene itself: only what changes in it is drawn";
     return;
   }
   loads_.Request({.number = ++load_requests_,
                   .path = path,
-                  .name = shown_.name,
-                  .options = OptionsOf(load, options_.hello.device.hull_radius_m)});
+                  .name = owners_scene_.name,
+                  .options = OptionsOf(*load, options_.hello.device.hull_radius_m)});
 }
 
 void Monitor::HandleSceneAnswer() {
@@ -174,59 +163,45 @@ void Monitor::HandleSceneAnswer() {
 
 void Monitor::SendCopy(const Save& save, const base::Result<std::string>& copy) {
   if (!copy.ok()) return Send(save.page, AnswerText(save.number, false, copy.error()));
-  const std::string name = "touched-" + shown_.name;
+  const std::string name = "touched-" + shown().name;
   server_->Send(save.page, std::make_shared<const std::string>(FileMessage(save.number, name, *copy)), true);
   Send(save.page, AnswerText(save.number, true, name));
 }
 
-// Which scene the pages show, and its shapes.
+// The shapes of the scene that the pages show.
 void Monitor::FollowScene() {
-  if (trial_ != nullptr) {
-    const Trial::Scene& scene = trial_->scene();
-    shown_.generation = scene.generation;
-    shown_.materials = scene.materials;
-    if (shown_.revision != scene.revision) {
-      shown_ = {.number = scene.number,
-                .revision = scene.revision,
-                .name = scene.name,
-                .state = scene.state,
-                .text = scene.text,
-                .generation = scene.generation,
-                .view = scene.view,
-                .materials = scene.materials};
-    }
-  } else if (auto loaded = loads_.Poll(); loaded && loaded->number == load_requests_) {
-    ++shown_.revision;
-    shown_.state = loaded->view == nullptr ? SceneState::kFailed : SceneState::kReady;
-    shown_.text = loaded->error;
-    shown_.view = loaded->view;
-    if (loaded->view != nullptr) shown_.materials = loaded->view->materials;
+  if (auto loaded = loads_.Poll(); loaded && loaded->number == load_requests_) {
+    ++owners_scene_.revision;
+    owners_scene_.state = loaded->view == nullptr ? SceneState::kFailed : SceneState::kReady;
+    owners_scene_.text = loaded->error;
+    owners_scene_.view = loaded->view;
+    if (loaded->view != nullptr) owners_scene_.materials = loaded->view->materials;
   }
   surfaces_.Update(connection_.surfaces());
-  if (shapes_of_ == shown_.view) return;
-  shapes_of_ = shown_.view;
+  if (shapes_of_ == shown().view) return;
+  shapes_of_ = shown().view;
   shapes_.clear();
-  if (shown_.view == nullptr) return;
-  for (std::size_t i = 0; i < shown_.view->parts.size(); ++i) {
+  if (shapes_of_ == nullptr) return;
+  for (std::size_t i = 0; i < shapes_of_->parts.size(); ++i) {
     shapes_.push_back(std::make_shared<const std::string>(
-        ShapeMessage(shown_.number, static_cast<std::uint32_t>(i), shown_.view->parts[i].shape)));
+        ShapeMessage(shown().number, static_cast<std::uint32_t>(i), shapes_of_->parts[i].shape)));
   }
 }
 
 void Monitor::SendScene(PageId id, Page& page) {
-  if (page.scene_number != shown_.number) {
+  const ShownScene& scene = shown();
+  if (page.scene_number != scene.number) {
     page.shapes_sent = 0;
     page.surfaces = {};
   }
-  if (page.scene_number != shown_.number || page.scene_revision != shown_.revision) {
-    page.scene_number = shown_.number;
-    page.scene_revision = shown_.revision;
-    Send(id, SceneText(shown_.number, shown_.name, shown_.state, shown_.text, trial_ != nullptr, shown_.view.get(),
-                       shown_.materials));
+  if (page.scene_number != scene.number || page.scene_revision != scene.revision) {
+    page.scene_number = scene.number;
+    page.scene_revision = scene.revision;
+    Send(id, SceneText(scene, trial_ != nullptr));
   }
   while (page.shapes_sent < shapes_.size()) server_->Send(id, shapes_[page.shapes_sent++], true);
-  if (surfaces_.scene_generation() == 0 || surfaces_.scene_generation() != shown_.generation) return;
-  for (const auto& message : surfaces_.NewsFor(shown_.number, page.surfaces)) server_->Send(id, message, true);
+  if (surfaces_.scene_generation() == 0 || surfaces_.scene_generation() != scene.generation) return;
+  for (const auto& message : surfaces_.NewsFor(scene.number, page.surfaces)) server_->Send(id, message, true);
 }
 
 LiveFrame Monitor::NewestFrame() const {
@@ -237,7 +212,7 @@ LiveFrame Monitor::NewestFrame() const {
   state->Contacts(frame.contacts);
   state->Vehicle(frame.vehicle);
   state->Inputs(frame.inputs);
-  if (frame.contacts.scene_generation != shown_.generation) frame.contacts.count = 0;
+  if (frame.contacts.scene_generation != shown().generation) frame.contacts.count = 0;
   if (trial_ != nullptr) frame.aim = trial_->aim();
   return frame;
 }
@@ -267,7 +242,6 @@ void Monitor::SendFrame() {
   constexpr std::uint64_t kKept = protocol::kRingCapacity - 2;
   std::uint64_t made_from = end + 1;
   std::shared_ptr<const std::string> message;
-  bool sent = false;
   for (auto& [id, page] : pages_) {
     if (!server_->Idle(id)) continue;
     SendScene(id, page);
@@ -286,9 +260,7 @@ void Monitor::SendFrame() {
     }
     server_->Send(id, message, true);
     page.next_index = end;
-    sent = true;
   }
-  frames_ += sent ? 1 : 0;
 }
 
 void Monitor::OnPage(PageId page) {
@@ -296,7 +268,7 @@ void Monitor::OnPage(PageId page) {
   pages_[page] = {.next_index = state == nullptr ? 0 : state->published()};
   Send(page, hello_text_);
   Send(page, status_text_);
-  pages_[page].scene_revision = shown_.revision + 1;  // any other: it is sent
+  pages_[page].scene_revision = shown().revision + 1;  // any other: it is sent
 }
 
 void Monitor::OnPageGone(PageId page) { pages_.erase(page); }
@@ -324,7 +296,7 @@ struct Monitor::RequestHandler {
   void operator()(const SceneRequest& request) const {
     const auto found = monitor.options_.scene_paths.find(request.name);
     if (monitor.trial_ == nullptr || found == monitor.options_.scene_paths.end()) return Warn("there is no such scene");
-    monitor.trial_->ChooseScene(found->second, FileName(found->second), true);
+    monitor.trial_->ChooseScene(found->second, std::filesystem::path(found->second).filename(), true);
   }
   void operator()(const MaterialRequest& request) const {
     if (monitor.trial_ == nullptr || !monitor.trial_->SetMaterial(request)) {
@@ -350,7 +322,9 @@ struct Monitor::RequestHandler {
     protocol::EmergencyStop stop;
     stop.on = request.on ? 1 : 0;
     if (!monitor.connection_.Send(stop)) {
-      monitor.Notice(page, NoticeLevel::kError, "NOT STOPPED: omnid does not answer; switch the supply off");
+      monitor.Notice(page, NoticeLevel::kError,
+                     request.on ? "NOT STOPPED: omnid does not answer; switch the supply off"
+                                : "not released: omnid does not answer");
     }
     monitor.next_status_ns_ = 0;
   }

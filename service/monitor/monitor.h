@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "service/base/result.h"
 #include "service/client/connection.h"
 #include "service/monitor/page/page_messages.h"
@@ -46,30 +48,14 @@ class Monitor : private WebHandler {
   // Serves until the next frame is due, then sends it.
   void Step();
 
-  bool connected() const { return connection_.connected(); }
-  std::string problem() const { return connection_.last_error(); }
-  std::size_t pages() const { return pages_.size(); }
-  std::uint64_t frames() const { return frames_; }
-
  private:
   struct Page {
     std::uint64_t next_index = 0;  // publication that it gets next
-    std::uint32_t lost = 0;
     std::uint32_t scene_number = 0, scene_revision = 0;
     std::size_t shapes_sent = 0;
     SurfacesSent surfaces;
   };
   struct RequestHandler;
-  struct Shown {                             // what there is to touch
-    std::uint32_t number = 0, revision = 0;  // as Trial::Scene's
-    std::string name;
-    SceneState state = SceneState::kNone;
-    std::string text;
-    std::uint64_t generation = 0;  // of omnid
-    std::shared_ptr<const SceneView> view;
-    std::vector<ViewMaterial> materials;
-  };
-
   struct Save {
     PageId page = 0;
     std::uint32_t number = 0;   // of the page
@@ -85,7 +71,9 @@ class Monitor : private WebHandler {
   std::string Hello() override;
 
   void PollService(std::int64_t now_ns);
-  void HandleStatus(const std::string& status);
+  void HandleStatus(const nlohmann::json& status);
+  void FollowOwner(const nlohmann::json& status);
+  const ShownScene& shown() const { return trial_ == nullptr ? owners_scene_ : trial_->scene(); }
   void HandleSceneAnswer();
   void SendCopy(const Save& save, const base::Result<std::string>& copy);
   void FollowScene();
@@ -105,13 +93,12 @@ class Monitor : private WebHandler {
   std::map<PageId, Page> pages_;
   std::string hello_text_;
   std::string status_text_;
-  std::string status_;  // of omnid, newest
   std::int64_t next_status_ns_ = 0, next_frame_ns_ = 0;
   bool was_connected_ = false;
-  Shown shown_;
-  std::vector<std::shared_ptr<const std::string>> shapes_;  // messages, of `shown_`
+  std::vector<std::shared_ptr<const std::string>> shapes_;  // messages, of shown()
   std::shared_ptr<const SceneView> shapes_of_;              // that they were made of
   // Without a trial: the scene that omnid's status names.
+  ShownScene owners_scene_;
   SceneLoads loads_;
   std::string followed_;  // file and options of the request
   std::uint32_t load_requests_ = 0;
@@ -120,7 +107,6 @@ class Monitor : private WebHandler {
   Save save_;
   std::uint32_t edits_command_ = 0;  // of omnid: the last one that asked for the strokes
   int strokes_ = -1;
-  std::uint64_t frames_ = 0;
 };
 
 }  // namespace omni::monitor

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "service/base/files/whole_file.h"
+#include "service/scene/glb_write.h"
 #include "service/scene/tags/haptic_keys.h"
 
 namespace omni::scene {
@@ -21,32 +23,6 @@ constexpr int kGlArrayBuffer = 34962, kGlElementArrayBuffer = 34963;
 // Base frame (z up) -> glTF (y up): (x, y, z) -> (x, z, -y).
 void PushGltf(const Vec3& v, std::vector<float>& to) {
   for (const double c : {v.x, v.z, -v.y}) to.push_back(static_cast<float>(c + 0.0));
-}
-
-// Area-weighted vertex normals; (0, 0, 1) where there is none.
-std::vector<Vec3> VertexNormals(const haptics::InputObject& object) {
-  std::vector<Vec3> normals(object.vertices_base_m.size());
-  for (const auto& t : object.triangles) {
-    const Vec3 &a = object.vertices_base_m[t[0]], &b = object.vertices_base_m[t[1]], &c = object.vertices_base_m[t[2]];
-    const Vec3 u{b.x - a.x, b.y - a.y, b.z - a.z}, v{c.x - a.x, c.y - a.y, c.z - a.z};
-    const Vec3 n{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
-    for (const std::uint32_t k : t) normals[k] = {normals[k].x + n.x, normals[k].y + n.y, normals[k].z + n.z};
-  }
-  for (Vec3& n : normals) {
-    const double length = std::hypot(n.x, n.y, n.z);
-    n = length > 0 ? Vec3{n.x / length, n.y / length, n.z / length} : Vec3{0, 0, 1};
-  }
-  return normals;
-}
-
-// "softness.thickness" -> tag["softness"]["thickness"]
-void PutKey(std::string_view key, double value, OrderedJson& tag) {
-  const std::size_t dot = key.find('.');
-  if (dot == std::string_view::npos) {
-    tag[std::string(key)] = value;
-  } else {
-    PutKey(key.substr(dot + 1), value, tag[std::string(key.substr(0, dot))]);
-  }
 }
 
 OrderedJson TagOf(const haptics::Material& material) {
@@ -169,20 +145,11 @@ class GlbWriter {
     return accessors_.size() - 1;
   }
 
-  static void PutWord(std::size_t value, std::string& to) {
-    for (int shift = 0; shift < 32; shift += 8) to.push_back(static_cast<char>(value >> shift & 0xFF));
-  }
-
   std::string File(std::string text) const {
-    text.resize((text.size() + 3) / 4 * 4, ' ');
-    std::string glb = "glTF";
-    PutWord(2, glb);
-    PutWord(28 + text.size() + bytes_.size(), glb);
-    PutWord(text.size(), glb);
-    glb += "JSON" + text;
-    PutWord(bytes_.size(), glb);
-    glb.append("BIN\0", 4);
-    return glb + bytes_;
+    std::string binary;
+    PutWord(bytes_.size(), binary);
+    binary.append("BIN\0", 4);
+    return GlbFile(std::move(text), binary + bytes_);
   }
 
   const haptics::SceneInput& scene_;

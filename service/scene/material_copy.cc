@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/files/read_file.h"
+#include "service/scene/glb_write.h"
 #include "service/scene/gltf/json_reading.h"
 
 namespace omni::scene {
@@ -30,10 +31,6 @@ std::uint32_t WordAt(const std::string& bytes, std::size_t offset) {
   return word;
 }
 
-void Append(std::uint32_t word, std::string& bytes) {
-  bytes.append(reinterpret_cast<const char*>(&word), sizeof(word));
-}
-
 struct Glb {
   Node document;
   std::string rest;  // chunks after the first
@@ -52,27 +49,6 @@ Glb ReadGlb(const std::string& path) {
     throw Problem{path + ": " + checked.error()};
   }
   return {nlohmann::json::parse(text), bytes->substr(kHead + json_bytes)};
-}
-
-std::string GlbOf(const Glb& glb) {
-  std::string text = glb.document.dump();
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  std::string bytes = "glTF";
-  Append(2, bytes);
-  Append(static_cast<std::uint32_t>(20 + text.size() + glb.rest.size()), bytes);
-  Append(static_cast<std::uint32_t>(text.size()), bytes);
-  Append(kJsonChunk, bytes);
-  return bytes + text + glb.rest;
-}
-
-// The number at a key's path, "vibration.amplitude", is made.
-void SetNumber(Node& tag, std::string_view key, double value) {
-  Node* at = &tag;
-  for (std::size_t dot = key.find('.'); dot != std::string_view::npos; dot = key.find('.')) {
-    at = &(*at)[std::string(key.substr(0, dot))];
-    key.remove_prefix(dot + 1);
-  }
-  (*at)[std::string(key)] = value;
 }
 
 using Primitive = std::pair<std::uint32_t, std::uint32_t>;  // mesh, its number there
@@ -128,7 +104,7 @@ class Copier {
     Node& tag = document_.at("materials").at(static_cast<std::size_t>(material))["extensions"][kExtension];
     if (!tag.is_object()) tag = Node::object();
     for (const base::MaterialField* field : base::kLiveFields) {
-      SetNumber(tag, field->key, changed_.at(haptic)->*field->live);
+      PutKey(field->key, changed_.at(haptic)->*field->live, tag);
     }
     return material;
   }
@@ -145,7 +121,7 @@ base::Result<std::string> GlbWithMaterials(const std::string& path, std::span<co
   try {
     Glb glb = ReadGlb(path);
     Copier(glb.document, changed).Run(uses, path);
-    return GlbOf(glb);
+    return GlbFile(glb.document.dump(), glb.rest);
   } catch (const Problem& problem) {
     return base::Error{problem.text};
   } catch (const Node::exception& error) {

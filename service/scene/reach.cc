@@ -56,7 +56,7 @@ void Transform(haptics::SceneInput& input, double scale, const base::Vec3& offse
   }
 }
 
-double Fit(haptics::SceneInput& input, double hull_radius_m) {
+Placing Fit(haptics::SceneInput& input, double hull_radius_m) {
   Bounds bounds;
   for (const haptics::InputObject& object : input.objects) {
     for (const base::Vec3& p : object.vertices_base_m) bounds.Add(p);
@@ -70,24 +70,27 @@ double Fit(haptics::SceneInput& input, double hull_radius_m) {
                             std::to_string(height_m) + " m; check the model's size");
   }
   const double top_m = hull_radius_m + std::clamp(scale * height_m + kClearance_m, kFitTopMin_m, kFitTopMax_m);
-  Transform(input, scale,
-            {-scale * (bounds.lower.x + bounds.upper.x) / 2, -scale * (bounds.lower.y + bounds.upper.y) / 2,
-             top_m - scale * bounds.upper.z});
-  return scale;
+  const base::Vec3 offset_m{-scale * (bounds.lower.x + bounds.upper.x) / 2,
+                            -scale * (bounds.lower.y + bounds.upper.y) / 2, top_m - scale * bounds.upper.z};
+  Transform(input, scale, offset_m);
+  return {.fit_scale = scale, .scale = scale, .offset_m = offset_m};
 }
 
 }  // namespace
 
-double Place(haptics::SceneInput& input, const LoadOptions& options) {
+Placing Place(haptics::SceneInput& input, const LoadOptions& options) {
   const base::Vec3& offset = options.offset_base_m;
   if (!(options.scale > 0 && options.scale <= 1e9))
     throw LoadError("", "LoadOptions::scale must be above 0 and at most 1e9");
   if (!(std::abs(offset.x) <= 1e3 && std::abs(offset.y) <= 1e3 && std::abs(offset.z) <= 1e3)) {
     throw LoadError("", "LoadOptions::offset_base_m must be within +-1000 m");
   }
-  const double fit_scale = options.fit ? Fit(input, options.hull_radius_m) : 1;
-  if (options.scale != 1 || !(offset == base::Vec3{})) Transform(input, options.scale, offset);
-  return fit_scale;
+  Placing placing = options.fit ? Fit(input, options.hull_radius_m) : Placing{};
+  if (options.scale == 1 && offset == base::Vec3{}) return placing;
+  Transform(input, options.scale, offset);
+  placing.scale *= options.scale;
+  placing.offset_m = options.scale * placing.offset_m + offset;
+  return placing;
 }
 
 void WarnIfOutOfReach(const haptics::SceneInput& input, const LoadOptions& options, Warnings& warnings) {

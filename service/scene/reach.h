@@ -9,10 +9,17 @@
 
 namespace omni::scene {
 
+struct Placing {
+  double fit_scale = 1;  // by `fit` alone
+  // All of it: x_base = scale x + offset_m, x: as authored.
+  double scale = 1;
+  base::Vec3 offset_m;
+};
+
 // Scales and moves everything of `input` as `options` say. With `fit`: longest horizontal extent 50 mm (less if the
 // height would exceed 40 mm), centred on the z axis, top of the bounds 15 to 30 mm above the hull: as high as the model
-// plus 5 mm, within that. Throws LoadError when there is nothing to fit. Returns the scale that `fit` applied.
-double Place(haptics::SceneInput& input, const LoadOptions& options);
+// plus 5 mm, within that. Throws LoadError when there is nothing to fit.
+Placing Place(haptics::SceneInput& input, const LoadOptions& options);
 
 // A warning when nothing touchable is where the device can exert force.
 void WarnIfOutOfReach(const haptics::SceneInput& input, const LoadOptions& options, Warnings& warnings);

@@ -48,9 +48,7 @@ struct MaterialUse {
 };
 
 struct LoadReport {
-  std::vector<ObjectSource> objects;       // one per object of the scene
-  std::vector<MaterialUse> material_uses;  // of what is touched
-  std::string vehicle;                     // name of the node that is the car; empty: there is none
+  std::vector<ObjectSource> objects;  // one per object of the scene
   std::vector<ExplainRow> rows;
   std::vector<std::string> warnings;  // unknown keys, clamped values: file, JSON pointer, value, range
   std::uint64_t file_bytes = 0;
@@ -61,6 +59,11 @@ struct LoadReport {
   double load_ms = 0;                // LoadScene: from the path to the scene
   bool cached = false;               // LoadScene: taken from the cache, not built
   std::string cache;                 // LoadScene: what the cache did, in words
+  // LoadSceneFile: not kept in the cache.
+  std::vector<MaterialUse> material_uses;  // of what is touched
+  std::string vehicle;                     // name of the node that is the car; empty: there is none
+  double placed_scale = 1;                 // by all options: x_base = placed_scale x + placed_offset_m, x: as authored
+  base::Vec3 placed_offset_m;
 };
 
 // Frame: glTF is y up, right handed, metres; base frame is z up: (x, y, z)_B = (x, -z, y)_glTF. The glTF origin is the

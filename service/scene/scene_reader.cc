@@ -87,7 +87,10 @@ class SceneReader::Loader {
     input_.tip_radius_m = TipRadius();
     input_.materials = binding_->TakeMaterials();
     if (input_.materials.empty()) input_.materials.emplace_back();
-    report_.fit_scale = Place(input_, options_);
+    const Placing placing = Place(input_, options_);
+    report_.fit_scale = placing.fit_scale;
+    report_.placed_scale = placing.scale;
+    report_.placed_offset_m = placing.offset_m;
     WarnIfOutOfReach(input_, options_, warnings_);
     ExplainUnread();
     return std::move(input_);

@@ -16,35 +16,13 @@
 #include "service/ipc/server.h"
 #include "service/ipc/state_publisher.h"
 #include "service/loop/tick_config.h"
-#include "service/sim/twin/twin.h"
+#include "tests/support/held_pen.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::daemon {
 namespace test_daemon_emergency_stop {
 
 using namespace std::chrono_literals;
-
-// A pen held still in the extrusion block (simulated), five times faster than real.
-class PressedPen : public device::Transport {
- public:
-  PressedPen() {
-    sim::TwinOptions options;
-    options.script.waypoints = {{.duration_s = 0, .tip_base_m = {0.008, 0.004, 0.055}}};
-    twin_ = sim::MakeVirtualTwin(config::DefaultDevice(), options, 1e6);
-  }
-  device::ReadStatus Read(base::HallScan& scan, std::int64_t timeout_ns) noexcept override {
-    std::this_thread::sleep_for(200us);
-    const device::ReadStatus status = twin_->Read(scan, timeout_ns);
-    scan.t_ns = base::MonotonicNow_ns();
-    return status;
-  }
-  bool Write(const base::CoilCurrents& currents) noexcept override { return twin_->Write(currents); }
-  const device::TransportInfo& info() const noexcept override { return twin_->info(); }
-  device::TransportCounters counters() const noexcept override { return twin_->counters(); }
-
- private:
-  std::unique_ptr<device::Transport> twin_;
-};
 
 struct CurrentSink : loop::TickSink {
   void Publish(const loop::TickOutput& output, const base::HallScan& /*scan*/,
@@ -132,7 +110,7 @@ class EmergencyStopTest : public testing::Test {
     return nlohmann::json::parse(text, nullptr, false);
   }
 
-  PressedPen pen_;
+  support::HeldPen pen_;
   TransportTickSource source_;
   CurrentSink sink_;
   test::TempFolder folder_;

@@ -14,7 +14,7 @@
 #include "service/daemon/devices/transport_tick_source.h"
 #include "service/daemon/service.h"
 #include "service/loop/tick_config.h"
-#include "service/sim/twin/twin.h"
+#include "tests/support/held_pen.h"
 #include "tests/support/silent_device.h"
 
 namespace omni::daemon {
@@ -27,28 +27,6 @@ protocol::Session SessionOf(protocol::SessionState state) {
 }
 
 using protocol::SessionState;
-
-// A pen held still in the extrusion block (simulated), five times faster than real.
-class HeldPen : public device::Transport {
- public:
-  explicit HeldPen(const base::DeviceGeometry& geometry) {
-    sim::TwinOptions options;
-    options.script.waypoints = {{.duration_s = 0, .tip_base_m = {0.008, 0.004, 0.055}}};
-    twin_ = sim::MakeVirtualTwin(geometry, options, 1e6);
-  }
-  device::ReadStatus Read(base::HallScan& scan, std::int64_t timeout_ns) noexcept override {
-    std::this_thread::sleep_for(std::chrono::microseconds(200));
-    const device::ReadStatus status = twin_->Read(scan, timeout_ns);
-    scan.t_ns = base::MonotonicNow_ns();
-    return status;
-  }
-  bool Write(const base::CoilCurrents& currents) noexcept override { return twin_->Write(currents); }
-  const device::TransportInfo& info() const noexcept override { return twin_->info(); }
-  device::TransportCounters counters() const noexcept override { return twin_->counters(); }
-
- private:
-  std::unique_ptr<device::Transport> twin_;
-};
 
 struct NoSink : loop::TickSink {
   void Publish(const loop::TickOutput& /*output*/, const base::HallScan& /*scan*/,
@@ -273,7 +251,7 @@ TEST(ServiceCalibration, StatusNamesTheCalibrationOrWhyThereIsNone) {
 
 class HeldPenTest : public ServiceTest {
  protected:
-  HeldPenTest() : ServiceTest(std::make_unique<HeldPen>(config::DefaultDevice())) {}
+  HeldPenTest() : ServiceTest(std::make_unique<support::HeldPen>()) {}
 };
 
 // Sanitizers watch: a scene must not be freed while the tick reads it or is about to take it.

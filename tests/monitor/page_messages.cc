@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/base/files/json_values.h"
 #include "service/config/files/device_file.h"
 #include "service/monitor/page/channels.h"
 #include "service/monitor/page/page_text.h"
@@ -120,17 +121,18 @@ TEST(PageMessages, ShapeAndSurfaceAreLaidOutAsDocumented) {
 
 // Names come from files of strangers: no text of theirs breaks a message.
 TEST(PageText, ForeignNamesStayText) {
-  SceneView view;
-  view.parts.push_back({.name = "a\xff\"}<script>", .object = -1});
-  const std::string text = SceneText(1, "\xc3\x28.glb", SceneState::kReady, "\x01", true, &view, view.materials);
+  auto view = std::make_shared<SceneView>();
+  view->parts.push_back({.name = "a\xff\"}<script>", .object = -1});
+  const std::string text =
+      SceneText({.number = 1, .name = "\xc3\x28.glb", .state = SceneState::kReady, .text = "\x01", .view = view}, true);
   const nlohmann::json message = nlohmann::json::parse(text);
   EXPECT_EQ(message["state"], "ready");
   EXPECT_EQ(message["parts"].size(), 1U);
 }
 
 TEST(PageText, StatusIsPassedOnOnlyIfItIsJson) {
-  EXPECT_EQ(nlohmann::json::parse(StatusText(true, "", R"({"a":1})", 3))["status"]["a"], 1);
-  EXPECT_TRUE(nlohmann::json::parse(StatusText(true, "", "{\"a\":", -1))["status"].is_null());
+  EXPECT_EQ(nlohmann::json::parse(StatusText(true, "", base::ParseJsonOrNull(R"({"a":1})"), 3))["status"]["a"], 1);
+  EXPECT_TRUE(nlohmann::json::parse(StatusText(true, "", base::ParseJsonOrNull("{\"a\":"), -1))["status"].is_null());
 }
 
 TEST(PageText, StrokesAreThoseOfAllObjects) {

@@ -127,13 +127,33 @@ TEST_F(SceneViewFile, FitTellsWhatItDid) {
     for (std::size_t i = 0; i < fitted->objects[0].vertices_base_m.size(); ++i) {
       const base::Vec3& a = authored->objects[0].vertices_base_m[i];
       const base::Vec3& f = fitted->objects[0].vertices_base_m[i];
-      EXPECT_NEAR(view->scale * a.x + view->offset_m[0], f.x, 1e-9);
-      EXPECT_NEAR(view->scale * a.y + view->offset_m[1], f.y, 1e-9);
-      EXPECT_NEAR(view->scale * a.z + view->offset_m[2], f.z, 1e-9);
+      EXPECT_NEAR(view->scale * a.x + view->offset_m.x, f.x, 1e-9);
+      EXPECT_NEAR(view->scale * a.y + view->offset_m.y, f.y, 1e-9);
+      EXPECT_NEAR(view->scale * a.z + view->offset_m.z, f.z, 1e-9);
     }
     Bounds drawn;
     for (const auto& p : view->parts.at(0).shape.positions) drawn.Add(p[0], p[1], p[2]);
     EXPECT_NEAR(drawn.upper[0] - drawn.lower[0], 0.05, 0.011) << "50 mm, or less for its height";
+  }
+}
+
+// An application's file may scale and move its scene: what is seen goes along.
+TEST(SceneView, ScaledAndMovedScenesAreDrawnWhereTheyAreTouched) {
+  scene::LoadOptions options;
+  options.scale = 0.5;
+  options.offset_base_m = {0.01, -0.02, 0.03};
+  const auto view = LoadSceneView(Shipped("extrusion.glb"), "extrusion.glb", options);
+  scene::LoadReport report;
+  const auto input = scene::LoadSceneFile(Shipped("extrusion.glb"), options, report);
+  ASSERT_TRUE(view.ok() && input.ok());
+  Bounds touched, drawn;
+  for (const base::Vec3& v : input->objects[0].vertices_base_m) touched.Add(v.x, v.y, v.z);
+  for (const ViewPart& part : view->parts) {
+    for (const auto& p : part.shape.positions) drawn.Add(p[0], p[1], p[2]);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(drawn.lower[i], touched.lower[i], 1e-4);
+    EXPECT_NEAR(drawn.upper[i], touched.upper[i], 1e-4);
   }
 }
 

@@ -1,11 +1,14 @@
 #include "service/monitor/page/page_text.h"
 
 #include <array>
+#include <cmath>
+#include <span>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "firmware/wire/names.h"
+#include "service/base/files/json_values.h"
 #include "service/monitor/page/channels.h"
 #include "service/protocol/state_memory.h"
 
@@ -122,50 +125,45 @@ std::string HelloText(const PageHello& hello) {
 }
 
 int StrokesOf(const std::string& edits) {
-  if (!base::CheckJson(edits, kStatusLimits).ok()) return -1;
-  const json parsed = json::parse(edits);
-  if (!parsed.is_object() || !parsed.contains("objects") || !parsed.at("objects").is_array()) return -1;
+  const json parsed = base::ParseJsonOrNull(edits);
+  const json* objects = base::ValueAt(parsed, "/objects");
+  if (objects == nullptr || !objects->is_array()) return -1;
   double strokes = 0;
-  for (const json& object : parsed.at("objects")) {
-    const bool counts = object.is_object() && object.contains("strokes") && object.at("strokes").is_number();
-    if (counts) strokes += object.at("strokes").get<double>();
+  for (const json& object : *objects) {
+    const double of_object = base::NumberAt(object, "/strokes");
+    if (!std::isnan(of_object)) strokes += of_object;
   }
   return strokes >= 0 && strokes <= 1e6 ? static_cast<int>(strokes) : -1;
 }
 
-std::string StatusText(bool connected, const std::string& why, const std::string& status, int strokes) {
-  json message = {
-      {"type", "status"}, {"connected", connected}, {"why", why}, {"status", nullptr}, {"strokes", strokes}};
-  if (!status.empty() && base::CheckJson(status, kStatusLimits).ok()) message["status"] = json::parse(status);
-  return Dump(message);
+std::string StatusText(bool connected, const std::string& why, const json& status, int strokes) {
+  return Dump({{"type", "status"}, {"connected", connected}, {"why", why}, {"status", status}, {"strokes", strokes}});
 }
 
-std::string SceneText(std::uint32_t number, const std::string& name, SceneState state, const std::string& text,
-                      bool own, const SceneView* view, std::span<const ViewMaterial> rows) {
+std::string SceneText(const ShownScene& scene, bool own) {
   constexpr const char* kStates[] = {"none", "loading", "ready", "failed"};
   json parts = json::array();
-  json materials = json::array();
-  if (view != nullptr) {
-    for (const ViewPart& part : view->parts) {
-      const bool touched = part.object >= 0 && part.material < rows.size();
-      parts.push_back({{"name", part.name},
-                       {"object", part.object},
-                       {"material", touched ? rows[part.material].name : std::string()}});
-    }
+  for (const ViewPart& part : scene.view == nullptr ? std::span<const ViewPart>() : std::span(scene.view->parts)) {
+    const bool touched = part.object >= 0 && part.material < scene.materials.size();
+    parts.push_back({{"name", part.name},
+                     {"object", part.object},
+                     {"material", touched ? scene.materials[part.material].name : std::string()}});
   }
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  json materials = json::array();
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    const ViewMaterial& material = scene.materials[i];
+    if (material.name.empty()) continue;  // of nothing that is touched
     json values = json::object();
     for (const base::MaterialField* field : base::kLiveFields) {
-      values[std::string(field->key)] = rows[i].values.*field->live;
+      values[std::string(field->key)] = material.values.*field->live;
     }
-    if (rows[i].name.empty()) continue;  // of nothing that is touched
-    materials.push_back({{"index", i}, {"name", rows[i].name}, {"values", std::move(values)}});
+    materials.push_back({{"index", i}, {"name", material.name}, {"values", std::move(values)}});
   }
   return Dump({{"type", "scene"},
-               {"number", number},
-               {"name", name},
-               {"state", kStates[static_cast<std::size_t>(state)]},
-               {"text", text},
+               {"number", scene.number},
+               {"name", scene.name},
+               {"state", kStates[static_cast<std::size_t>(scene.state)]},
+               {"text", scene.text},
                {"own", own},
                {"parts", std::move(parts)},
                {"materials", std::move(materials)}});

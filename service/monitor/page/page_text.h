@@ -2,19 +2,17 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "service/base/device_geometry.h"
-#include "service/base/files/json_document.h"
 #include "service/monitor/view/scene_view.h"
 
 namespace omni::monitor {
-
-// Of omnid's status.
-inline constexpr base::JsonLimits kStatusLimits{.bytes = 1 << 16, .values = 20'000, .members = 1'000, .depth = 16};
 
 struct SceneChoice {
   std::string name, title, about;
@@ -32,17 +30,27 @@ struct PageHello {
 };
 std::string HelloText(const PageHello& hello);
 
-// `status`: of omnid; empty: none. `why`: there is no connection, and what to do. `strokes`: of sculpted objects; -1:
+// `status`: of omnid; null: none. `why`: there is no connection, and what to do. `strokes`: of sculpted objects; -1:
 // nothing is sculpted.
-std::string StatusText(bool connected, const std::string& why, const std::string& status, int strokes);
+std::string StatusText(bool connected, const std::string& why, const nlohmann::json& status, int strokes);
 
 // Strokes in omnid's answer to SceneAction::kEdits; -1: there are none to count.
 int StrokesOf(const std::string& edits);
 
 enum class SceneState : std::uint8_t { kNone, kLoading, kReady, kFailed };
-// `view`: null: no shapes. `text`: failed: why; ready: notes.
-std::string SceneText(std::uint32_t number, const std::string& name, SceneState state, const std::string& text,
-                      bool own, const SceneView* view, std::span<const ViewMaterial> materials);
+
+// What there is to touch. `number` counts the scenes, `revision` every change of one that pages are sent.
+struct ShownScene {
+  std::uint32_t number = 0, revision = 0;
+  std::string name;
+  SceneState state = SceneState::kNone;
+  std::string text;                       // failed: why; ready: notes
+  std::uint64_t generation = 0;           // of omnid; 0: it does not touch it
+  std::shared_ptr<const SceneView> view;  // null: no shapes
+  std::vector<ViewMaterial> materials;    // of `view`, as they are now
+};
+// `own`: loaded by a page, which may change its materials.
+std::string SceneText(const ShownScene& scene, bool own);
 
 enum class NoticeLevel : std::uint8_t { kInfo, kWarning, kError };
 std::string NoticeText(NoticeLevel level, std::string_view text);

@@ -40,6 +40,7 @@ Trial::Trial(const TrialOptions& options)
                    .retry_interval_ns = 50'000'000}),
       hand_(options.hand_path) {
   aim_.present = 0;
+  connection_.SendSession(protocol::SessionState::kFocused);  // sent whenever it connects
 }
 
 void Trial::ChooseScene(const std::string& path, const std::string& name, bool shipped) {
@@ -62,11 +63,6 @@ base::Status Trial::Drop(std::string_view name, std::string_view bytes) {
 void Trial::Poll(std::int64_t now_ns) {
   connection_.Poll(now_ns);
   connection_.Beat();
-  if (!connection_.connected()) {
-    session_sent_ = false;
-  } else if (!session_sent_) {
-    session_sent_ = connection_.SendSession(protocol::SessionState::kFocused);
-  }
   if (const auto loaded = loads_.Poll(); loaded && loaded->number == requests_) Load(*loaded);
   if (welcomes_ != connection_.welcomes()) {
     welcomes_ = connection_.welcomes();
@@ -85,7 +81,6 @@ void Trial::Load(const LoadedView& loaded) {
   if (loaded.view == nullptr) return Change(SceneState::kFailed, loaded.error);
   scene_.view = loaded.view;
   scene_.materials = loaded.view->materials;
-  touch_untagged_ = loaded.touch_untagged;
   ++scene_.revision;
   SendScene();
 }
@@ -99,7 +94,7 @@ void Trial::SendScene() {
   if (!document.ok()) return Change(SceneState::kFailed, document.error());
   protocol::HapticSceneLoad load;
   load.number = ++sent_number_;
-  if (touch_untagged_) load.flags = protocol::kSceneTouchUntagged;
+  if (scene_.view->touch_untagged) load.flags = protocol::kSceneTouchUntagged;
   load.bytes = bytes->size();
   load.scale = scene_.view->scale;
   scene_.generation = 0;
@@ -115,8 +110,9 @@ void Trial::Place() {
   place.flags = protocol::kPoseLeaps;
   place.t_ns = base::MonotonicNow_ns();
   place.scale = scene_.view->scale;
-  place.pose.position_m = scene_.view->offset_m;
-  if (scene_.view->offset_m != std::array<double, 3>{}) connection_.Send(place);
+  const base::Vec3& offset_m = scene_.view->offset_m;
+  place.pose.position_m = {offset_m.x, offset_m.y, offset_m.z};
+  if (!(offset_m == base::Vec3{})) connection_.Send(place);
 }
 
 void Trial::HandleUpdates() {
@@ -160,7 +156,7 @@ base::Result<std::string> Trial::Copy(std::string_view sculpted) const {
     if (!written.ok()) return base::Error{written.error()};
   }
   scene::LoadReport report;
-  const auto input = scene::LoadSceneFile(path, {.touch_untagged = touch_untagged_}, report);
+  const auto input = scene::LoadSceneFile(path, {.touch_untagged = scene_.view->touch_untagged}, report);
   if (!input.ok()) return base::Error{input.error()};
   // A sculpted copy numbers its materials in its own way: the same one has the same numbers.
   std::vector<scene::ChangedMaterial> changed;

@@ -48,17 +48,7 @@ class Trial {
   // file as it was loaded.
   base::Result<std::string> Copy(std::string_view sculpted) const;
 
-  // What pages show. `number` counts the scenes, `revision` every change of one.
-  struct Scene {
-    std::uint32_t number = 0, revision = 0;
-    std::string name;
-    SceneState state = SceneState::kNone;
-    std::string text;
-    std::uint64_t generation = 0;  // of omnid; 0: it does not touch it yet
-    std::shared_ptr<const SceneView> view;
-    std::vector<ViewMaterial> materials;  // of `view`, as they are now
-  };
-  const Scene& scene() const { return scene_; }
+  const ShownScene& scene() const { return scene_; }
   std::string problem() const;
 
  private:
@@ -73,11 +63,9 @@ class Trial {
   client::HandLink hand_;
   protocol::HandAim aim_;
   SceneLoads loads_;
-  Scene scene_;
-  bool touch_untagged_ = false;
+  ShownScene scene_;
   std::uint32_t requests_ = 0, sent_number_ = 0, drops_ = 0;
   std::uint64_t welcomes_ = 0;
-  bool session_sent_ = false;
   std::string dropped_path_;
 };
 

@@ -8,17 +8,7 @@ namespace {
 
 LoadedView Load(const SceneFileRequest& request) {
   LoadedView loaded{.number = request.number};
-  scene::LoadOptions options = request.options;
-  if (request.fit_untagged) {
-    scene::LoadReport report;
-    const auto tagged = scene::LoadSceneFile(request.path, options, report);
-    if (!tagged.ok()) {
-      loaded.error = tagged.error();
-      return loaded;
-    }
-    loaded.touch_untagged = options.touch_untagged = options.fit = report.skipped;
-  }
-  auto view = LoadSceneView(request.path, request.name, options);
+  auto view = LoadSceneView(request.path, request.name, request.options, request.fit_untagged);
   if (view.ok()) {
     loaded.view = std::make_shared<const SceneView>(std::move(*view));
   } else {

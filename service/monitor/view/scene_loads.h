@@ -15,12 +15,11 @@ struct SceneFileRequest {
   std::uint32_t number = 0;  // comes back
   std::string path, name;
   scene::LoadOptions options;
-  bool fit_untagged = false;  // a file without haptic tags is touched as a whole, scaled and moved into reach
+  bool fit_untagged = false;  // as LoadSceneView's
 };
 
 struct LoadedView {
   std::uint32_t number = 0;
-  bool touch_untagged = false;            // what fit_untagged has decided
   std::shared_ptr<const SceneView> view;  // null: failed
   std::string error;
 };

@@ -8,22 +8,16 @@
 
 #include "service/haptics/scene_input.h"
 #include "service/scene/drawn_scene.h"
+#include "service/scene/glb_write.h"
 
 namespace omni::monitor {
 namespace {
-
-using Triangle = std::array<std::uint32_t, 3>;
 
 std::array<float, 3> Floats(const base::Vec3& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
 std::uint8_t Byte(double value) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0))); }
-
-base::Vec3 Placed(const base::Vec3& v, const SceneView& view) {
-  return {view.scale * v.x + view.offset_m[0], view.scale * v.y + view.offset_m[1],
-          view.scale * v.z + view.offset_m[2]};
-}
 
 DrawnShape ShapeOf(const scene::DrawnPart& part, const SceneView& view) {
   DrawnShape shape;
@@ -32,7 +26,7 @@ DrawnShape ShapeOf(const scene::DrawnPart& part, const SceneView& view) {
   shape.positions.reserve(part.positions_base_m.size());
   shape.normals.reserve(part.normals_base.size());
   shape.colours.reserve(part.colours.size());
-  for (const base::Vec3& v : part.positions_base_m) shape.positions.push_back(Floats(Placed(v, view)));
+  for (const base::Vec3& v : part.positions_base_m) shape.positions.push_back(Floats(view.scale * v + view.offset_m));
   for (const base::Vec3& n : part.normals_base) shape.normals.push_back(Floats(n));
   base::Vec3 sum;
   for (const base::Vec3& c : part.colours) {
@@ -46,18 +40,8 @@ DrawnShape ShapeOf(const scene::DrawnPart& part, const SceneView& view) {
 // The surface that is touched, where a file does not show which part of it that is.
 DrawnShape ShapeOf(const haptics::InputObject& object) {
   DrawnShape shape;
-  std::vector<base::Vec3> normals(object.vertices_base_m.size());
-  for (const Triangle& t : object.triangles) {
-    const base::Vec3 &a = object.vertices_base_m[t[0]], &b = object.vertices_base_m[t[1]],
-                     &c = object.vertices_base_m[t[2]];
-    const base::Vec3 twice_area = Cross(b - a, c - a);
-    for (const std::uint32_t v : t) normals[v] = normals[v] + twice_area;
-  }
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    const double length = base::Norm(normals[i]);
-    shape.positions.push_back(Floats(object.vertices_base_m[i]));
-    shape.normals.push_back(Floats(length > 0 ? (1 / length) * normals[i] : base::Vec3{0, 0, 1}));
-  }
+  for (const base::Vec3& v : object.vertices_base_m) shape.positions.push_back(Floats(v));
+  for (const base::Vec3& n : scene::VertexNormals(object)) shape.normals.push_back(Floats(n));
   shape.triangles = object.triangles;
   return shape;
 }
@@ -97,34 +81,22 @@ std::map<std::string, std::int32_t> ObjectsByName(const haptics::SceneInput& inp
   return objects;
 }
 
-// scale and offset of `fit`, from one vertex before and after.
-base::Status FindPlacement(const std::string& path, const scene::LoadOptions& options,
-                           const haptics::SceneInput& fitted, double fit_scale, SceneView& view) {
-  if (!options.fit || fitted.objects.empty()) return base::Ok{};
-  scene::LoadOptions as_authored = options;
-  as_authored.fit = false;
+base::Result<SceneView> Load(const std::string& path, const std::string& name, scene::LoadOptions options,
+                             bool fit_untagged) {
   scene::LoadReport report;
-  const auto authored = scene::LoadSceneFile(path, as_authored, report);
-  if (!authored.ok()) return base::Error{authored.error()};
-  const base::Vec3& before = authored->objects.front().vertices_base_m.front();
-  const base::Vec3& after = fitted.objects.front().vertices_base_m.front();
-  view.scale = fit_scale;
-  view.offset_m = {after.x - fit_scale * before.x, after.y - fit_scale * before.y, after.z - fit_scale * before.z};
-  return base::Ok{};
-}
-
-base::Result<SceneView> Load(const std::string& path, const std::string& name, const scene::LoadOptions& options) {
-  SceneView view{.name = name, .path = path};
-  scene::LoadReport report;
-  const auto input = scene::LoadSceneFile(path, options, report);
-  if (!input.ok()) return base::Error{input.error()};
-  view.notes = report.warnings;
-  if (const auto placed = FindPlacement(path, options, *input, report.fit_scale, view); !placed.ok()) {
-    return base::Error{placed.error()};
+  auto input = scene::LoadSceneFile(path, options, report);
+  if (input.ok() && report.skipped && fit_untagged) {
+    options.touch_untagged = options.fit = true;
+    input = scene::LoadSceneFile(path, options, report);
   }
+  if (!input.ok()) return base::Error{input.error()};
+  SceneView view{.name = name,
+                 .path = path,
+                 .touch_untagged = options.touch_untagged,
+                 .scale = report.placed_scale,
+                 .offset_m = report.placed_offset_m};
   view.materials = MaterialsOf(*input);
   const auto drawn = scene::LoadDrawnScene(path);
-  if (!drawn.ok()) view.notes.push_back(drawn.error());
   const auto objects = drawn.ok() ? ObjectsByName(*input, drawn->parts) : std::map<std::string, std::int32_t>();
   if (!drawn.ok() || (objects.empty() && !input->objects.empty())) {
     for (std::size_t i = 0; i < input->objects.size(); ++i) {
@@ -146,9 +118,9 @@ base::Result<SceneView> Load(const std::string& path, const std::string& name, c
 }  // namespace
 
 base::Result<SceneView> LoadSceneView(const std::string& path, const std::string& name,
-                                      const scene::LoadOptions& options) {
+                                      const scene::LoadOptions& options, bool fit_untagged) {
   try {
-    return Load(path, name, options);
+    return Load(path, name, options, fit_untagged);
   } catch (const std::bad_alloc&) {
     return base::Error{name + ": does not fit into memory; simplify the model"};
   }

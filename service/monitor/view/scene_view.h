@@ -28,17 +28,18 @@ struct ViewMaterial {
 struct SceneView {
   std::string name;  // for people: "dragon.glb"
   std::string path;
+  bool touch_untagged = false;  // how it was read
   std::vector<ViewPart> parts;
   std::vector<ViewMaterial> materials;
-  std::vector<std::string> notes;
   // Where `options` have put it: x_base = scale x + offset_m, x: as authored, in the base frame.
   double scale = 1;
-  std::array<double, 3> offset_m{};
+  base::Vec3 offset_m;
 };
 
-// As omnid loads it with the same options. Errors: "<file>: <JSON pointer>: what, limit, what to do". Takes as long as
+// As omnid loads it with the same options. `fit_untagged`: a file without haptic tags is touched as a whole, scaled and
+// moved into reach. Errors: "<file>: <JSON pointer>: what, limit, what to do". Takes as long as
 // the file is large.
 base::Result<SceneView> LoadSceneView(const std::string& path, const std::string& name,
-                                      const scene::LoadOptions& options);
+                                      const scene::LoadOptions& options, bool fit_untagged = false);
 
 }  // namespace omni::monitor

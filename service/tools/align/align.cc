@@ -186,7 +186,7 @@ void AddAlign(Command& app) {
       .ShowDefault();
   align.Add("--probe", arguments->run.probe,
             "the program that reads poses from the OpenXR runtime (default: omni_align_probe)");
-  align.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  AddSocket(align, arguments->socket);
   align.Run(arguments, Align);
 }
 

@@ -22,6 +22,10 @@ void AddMoved(Command& app, const std::string& name, const std::string& now) {
 
 }  // namespace
 
+void AddSocket(Command& command, std::string& socket) {
+  command.Add("--socket", socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+}
+
 int RunCommandLine(int argc, const char* const* argv) {
   try {
     console::Program omni("omni", kAbout, OMNI_VERSION);

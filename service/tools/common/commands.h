@@ -2,6 +2,8 @@
 // that returns the exit status: void AddStatus(Command& app).
 #pragma once
 
+#include <string>
+
 #include "service/console/command.h"
 
 #define OMNI_COMMANDS(COMMAND)                                  \
@@ -31,6 +33,9 @@ using console::Option;
 #define OMNI_DECLARE(name) void Add##name(Command& app);
 OMNI_COMMANDS(OMNI_DECLARE)
 #undef OMNI_DECLARE
+
+// --socket of a command that is a client of omnid.
+void AddSocket(Command& command, std::string& socket);
 
 void AddSceneEdits(Command& scene);  // omni scene edits, undo, redo, save
 void AddTwinHand(Command& twin);     // omni twin hand

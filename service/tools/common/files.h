@@ -12,8 +12,6 @@ namespace omni::tools {
 
 // Manifests of OpenXR, reports of applications.
 inline constexpr base::JsonLimits kManifestJson{.bytes = 1 << 20, .values = 5'000, .depth = 32};
-// Status of omnid.
-inline constexpr base::JsonLimits kStatusJson{.bytes = 1 << 20, .values = 20'000, .depth = 32};
 
 // The text of a file that is JSON within the limits. The error names the path.
 base::Result<std::string> ReadJsonFile(const std::string& path, const base::JsonLimits& limits);

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/clock.h"
-#include "service/tools/common/files.h"
+#include "service/base/files/json_values.h"
 
 namespace omni::tools {
 namespace {
@@ -39,17 +39,13 @@ base::Result<std::unique_ptr<client::Connection>> ConnectToService(const std::st
   return NotRunning(path, connection->last_error());
 }
 
-nlohmann::json ParseStatus(const std::string& text) {
-  return base::CheckJson(text, kStatusJson).ok() ? nlohmann::json::parse(text) : nlohmann::json();
-}
-
 base::Result<nlohmann::json> RequestStatus(client::Connection& connection) {
   if (!connection.Send(protocol::StatusRequest{})) return base::Error{"omnid does not accept requests; restart omnid"};
   const std::int64_t deadline_ns = base::MonotonicNow_ns() + kPatience_ns;
   while (base::MonotonicNow_ns() < deadline_ns) {
     connection.Poll(base::MonotonicNow_ns());
     if (const std::string text = connection.PopStatus(); !text.empty()) {
-      nlohmann::json status = ParseStatus(text);
+      nlohmann::json status = base::ParseJsonOrNull(text);
       if (status.is_object()) return status;
       return base::Error{"omnid's status is not a JSON object; install the same Omni version for both"};
     }

@@ -15,9 +15,6 @@ namespace omni::tools {
 base::Result<std::unique_ptr<client::Connection>> ConnectToService(
     const std::string& socket_path, protocol::ClientRole role = protocol::ClientRole::kMonitor);
 
-// What omnid answered; null when it is no JSON.
-nlohmann::json ParseStatus(const std::string& text);
-
 // Waits for the answer, 2 s at most. An answer that is no JSON object is an error.
 base::Result<nlohmann::json> RequestStatus(client::Connection& connection);
 

@@ -37,7 +37,7 @@ void AddDoctor(Command& app) {
   auto arguments = std::make_shared<DoctorArguments>();
   Command doctor = app.AddCommand("doctor", "check what keeps applications from using the pen, and how to fix it");
   doctor.Add("--json", arguments->as_json, "as JSON");
-  doctor.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  AddSocket(doctor, arguments->socket);
   doctor.Run(arguments, Doctor);
 }
 

@@ -79,7 +79,7 @@ void Eyes::SeeSoftBodies() {
 void Eyes::AskForStrokes(std::int64_t now_ns) {
   if (const auto answer = connection_.PopSceneAnswer(); answer && answer->number == asked_) {
     asked_ = 0;
-    const nlohmann::json edits = ParseStatus(answer->text);
+    const nlohmann::json edits = ParseJsonOrNull(answer->text);
     seen_.clay = answer->done && edits.is_object();
     seen_.strokes = 0;
     seen_.stroke_open = false;

@@ -59,7 +59,7 @@ void AddMonitor(Command& app) {
   monitor.Add("--control", arguments->control, "let pages undo, save and release the emergency stop");
   monitor.Add("!--no-open", arguments->open, "do not open a browser");
   monitor.Add("--seconds", arguments->seconds, "end after this many seconds (default: at Ctrl-C)").Positive();
-  monitor.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  AddSocket(monitor, arguments->socket);
   monitor.Run(arguments, MonitorPage);
 }
 

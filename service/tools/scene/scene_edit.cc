@@ -53,7 +53,7 @@ int Edits(const EditArguments& arguments) {
   if (const int status = Request("omni scene edits", SceneAction::kEdits, arguments, answer); status != kExitOk) {
     return status;
   }
-  const nlohmann::json edits = ParseStatus(answer.text);
+  const nlohmann::json edits = ParseJsonOrNull(answer.text);
   if (!edits.is_object()) {
     return Fail("omni scene edits", "omnid's answer is not a JSON object; install the same Omni version for both");
   }
@@ -92,7 +92,7 @@ int Save(const EditArguments& arguments) {
 void AddPlace(Command command, const std::shared_ptr<EditArguments>& arguments) {
   command.Add("--client", arguments->client,
               "whose scene: the client's id in `omni status --json` (default: the owner's, or the only one)");
-  command.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  AddSocket(command, arguments->socket);
 }
 
 }  // namespace

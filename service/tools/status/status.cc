@@ -39,7 +39,7 @@ void AddStatus(Command& app) {
   auto arguments = std::make_shared<StatusArguments>();
   Command status = app.AddCommand("status", "show what omnid does: device, tick, pen, force, clients, problems");
   status.Add("--json", arguments->as_json, "as JSON");
-  status.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  AddSocket(status, arguments->socket);
   status.Run(arguments, Status);
 }
 

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/base/files/json_values.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
 #include "service/tools/common/service_link.h"
@@ -30,7 +31,7 @@ int Stop(const StopArguments& arguments) {
   if (!(*connection)->Send(stop)) return Fail(kCommand, "not sent: omnid does not read its socket; end it (Ctrl-C)");
   const base::Result<nlohmann::json> status = RequestStatus(**connection);
   if (!status.ok()) return Fail(kCommand, status.error());
-  const bool stopped = status->contains("stopped") && status->at("stopped").is_string();
+  const bool stopped = !base::StringAt(*status, "/stopped").empty();
   if (stopped == arguments.release) return Fail(kCommand, "omnid has not done it; end it (Ctrl-C): coils go to zero");
   std::puts(stopped ? "stopped: no force until `omni stop --release`" : "released: applications may push again");
   return kExitOk;
@@ -42,7 +43,7 @@ void AddStop(Command& app) {
   auto arguments = std::make_shared<StopArguments>();
   Command stop = app.AddCommand("stop", "emergency stop: no force until it is released");
   stop.Add("--release", arguments->release, "end it: applications may push again");
-  stop.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  AddSocket(stop, arguments->socket);
   stop.Run(arguments, Stop);
 }
 

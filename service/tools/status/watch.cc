@@ -71,7 +71,7 @@ class Watcher {
     }
     const std::string text = connection_.PopStatus();
     if (text.empty()) return;
-    frame_.status = ParseStatus(text);
+    frame_.status = ParseJsonOrNull(text);
     const double ticks = NumberAt(frame_.status, "/tick/count");
     frame_.tick_rate_Hz = (ticks - ticks_) / (static_cast<double>(now_ns - ticks_at_ns_) * 1e-9);
     ticks_ = ticks;
@@ -141,7 +141,7 @@ void AddWatch(Command& app) {
   auto arguments = std::make_shared<WatchArguments>();
   Command watch = app.AddCommand("watch", "show the pen live: pose, gap, force, contact, inputs");
   watch.Add("--seconds", arguments->seconds, "stop after this many seconds (default: at Ctrl-C)").Positive();
-  watch.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  AddSocket(watch, arguments->socket);
   watch.Run(arguments, Watch);
 }
 

@@ -207,7 +207,7 @@ void AddSurfaces(Command& app) {
       .Add("--seconds", arguments->seconds,
            "--watch: stop after this many seconds; --largest: watch for so many (default 10)")
       .Positive();
-  surfaces.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  AddSocket(surfaces, arguments->socket);
   surfaces.Run(arguments, Surfaces);
 }
 

@@ -91,7 +91,7 @@ void AddTwinHand(Command& twin) {
       .Required();
   hand.Add("--hand", arguments->hand, "the socket of `omnid --device twin --twin-hand`").Required();
   hand.Add("--patience", arguments->patience_s, "give up after this many seconds").Range(1.0, 3600.0).ShowDefault();
-  hand.Add("--socket", arguments->socket, "control socket (default: $OMNI_SOCKET, else the user's)");
+  AddSocket(hand, arguments->socket);
   hand.Add("--fit", arguments->fit, "the application's scene is scaled and moved into reach");
   hand.Add("--touch-all", arguments->touch_all,
            "the scene has no haptic tags and is touchable everywhere (--fit does too)");
