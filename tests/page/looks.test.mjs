@@ -1,7 +1,8 @@
 // What the page looks like to everybody: sizes, themes, screen readers; and what it says when something is wrong.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
-import { readFileSync } from 'node:fs';
+import { spawn, spawnSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { build, fromTests } from './support/setup.mjs';
@@ -84,6 +85,44 @@ test('a service that goes is named, and its page says so', async () => {
   await monitor.stop();
   await visitor.until('banner', (text) => /omni has ended|no connection/i.test(text), 'omni has ended');
   await visitor.close();
+});
+
+test('an omnid that is killed is named, and its next start is shown without a reload', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'omni-page-'));
+  const socket = join(folder, 'omnid.sock');
+  const start = () => {
+    const omnid = spawn(join(build, 'bin/omnid'), ['--device', 'twin', '--socket', socket], { stdio: 'ignore' });
+    omnid.over = new Promise((resolve) => omnid.once('exit', resolve));
+    return omnid;
+  };
+  const first = start();
+  const monitor = await Program.start(['monitor', '--socket', socket]);
+  const visitor = await Visitor.open(browser, monitor.address);
+  await visitor.until('connection', (text) => text.includes('Connected'), 'the page connects');
+  first.kill('SIGKILL');
+  await visitor.until('banner', (text) => /omnid/.test(text), 'it says what is missing');
+  await visitor.page.getByTestId('stop').click();
+  await visitor.page.getByText(/NOT STOPPED/).first().waitFor({ timeout: 10_000 });
+  const second = start();
+  await visitor.until('connection', (text) => text.includes('Connected'), 'the page shows the next one');
+  await visitor.close();
+  await monitor.stop();
+  second.kill('SIGTERM');
+  assert.equal(await second.over, 0);
+  rmSync(folder, { recursive: true });
+});
+
+test('omni try ends with its omnid, and its page says so', async () => {
+  const trial = await Program.start(['try', 'extrusion']);
+  const visitor = await Visitor.open(browser, trial.address);
+  await visitor.until('connection', (text) => text.includes('Connected'), 'the page connects');
+  const { pid } = trial.process;
+  process.kill(Number(readFileSync(`/proc/${pid}/task/${pid}/children`, 'utf8').trim()), 'SIGKILL');
+  assert.equal(await trial.ended, 1);
+  assert.match(trial.log, /omnid was ended by signal 9/);
+  await visitor.until('banner', (text) => /omni has ended|no connection/i.test(text), 'the page says so');
+  await visitor.close();
+  await trial.stop();
 });
 
 test('a taken port is named', () => {

@@ -1,7 +1,7 @@
-// node measure.mjs: how soon the page shows what the pointer does, what it costs to be watched. Figures are of the digital
-// twin; those of the browser depend on how it draws (here a processor may). Prints lines; OMNI_BUILD: build tree.
-import { spawnSync } from 'node:child_process';
-import { mkdtempSync, rmSync } from 'node:fs';
+// node measure.mjs: how soon the page shows what the pointer does, and what it costs to be watched. Prints lines; takes nine
+// minutes. Figures are of the digital twin; those of the browser depend on how it draws (here a processor may).
+import { spawn } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { build } from './support/setup.mjs';
@@ -86,43 +86,97 @@ async function latency() {
   await program.stop();
 }
 
-// Tick times of omnid by its own histogram, over one run each.
-async function ticks(readers, aims_Hz = 0) {
+// The tick with and without something else, in turns of a few seconds in one run of omnid: columns tick_us and t_monotonic_s
+// of `omni monitor --csv`. `begin` starts it and returns what ends it; the first half second after a change is left out.
+async function compare(name, scene, begin, turns = 24, turn_ms = 4000) {
   const folder = mkdtempSync(join(tmpdir(), 'omni-measure-'));
-  const program = await Program.start(['try', 'dragon'], { XDG_RUNTIME_DIR: folder });
-  const open = Array.from({ length: readers }, () => Reader.open(program.address));
+  const program = await Program.start(['try', scene], { XDG_RUNTIME_DIR: folder });
   const socket = program.log.match(/OMNI_SOCKET=(\S+)/)[1];
-  await sleep(2000);
-  const first = open[0];
-  const end = Date.now() + 20_000;
-  for (let i = 0; Date.now() < end; ++i) {
-    if (aims_Hz === 0 || first === undefined) {
-      await sleep(200);
-      continue;
-    }
-    for (let k = 0; k < aims_Hz / 100; ++k) {
-      const x = 0.01 * Math.sin(0.02 * (i * (aims_Hz / 100) + k));
-      first.send(JSON.stringify({ type: 'aim', tip: [x, 0, 0.06], axis: [0, 0, -1] }));
-    }
-    await sleep(10);
+  await sleep(6000);
+  const file = join(folder, 'ticks.csv');
+  const log = spawn(join(build, 'bin/omni'), ['monitor', '--csv', file, '--socket', socket], { stdio: 'ignore' });
+  const ended = new Promise((resolve) => log.once('exit', resolve));
+  await sleep(500);
+  const spans = [];
+  for (let i = 0; i < turns; ++i) {
+    const on = i % 4 === 1 || i % 4 === 2; // off on on off: a drift falls on both alike
+    const end = on ? await begin({ program, socket }) : () => {};
+    await sleep(500);
+    const from_s = Number(process.hrtime.bigint()) * 1e-9; // CLOCK_MONOTONIC
+    await sleep(turn_ms);
+    spans.push({ on, from_s, to_s: Number(process.hrtime.bigint()) * 1e-9, ticks: [] });
+    await end();
   }
-  const status = JSON.parse(
-    spawnSync(join(build, 'bin/omni'), ['status', '--json'], { env: { ...process.env, OMNI_SOCKET: socket }, encoding: 'utf8' }).stdout,
-  );
-  const bytes = open.reduce((sum, reader) => sum + reader.bytes, 0);
-  for (const reader of open) reader.close();
+  log.kill('SIGINT');
+  await ended;
+  const [header, ...rows] = readFileSync(file, 'utf8').trim().split('\n');
+  const names = header.split(',');
+  const [time, tick] = [names.indexOf('t_monotonic_s'), names.indexOf('tick_us')];
+  let span = 0;
+  for (const row of rows) {
+    const values = row.split(',');
+    const t_s = Number(values[time]);
+    while (span < spans.length && t_s > spans[span].to_s) ++span;
+    if (span < spans.length && t_s > spans[span].from_s) spans[span].ticks.push(Number(values[tick]));
+  }
   await program.stop();
   rmSync(folder, { recursive: true, force: true });
-  return { ...status.tick, bytes };
+  // Of each turn its quantile, then the median over turns; +-: standard error of the mean ratio of neighbours.
+  const said = [0.5, 0.99].map((q) => {
+    const of = spans.map(({ on, ticks }) => ({ on, value: quantile(ticks, q) }));
+    const ratios = [];
+    for (let i = 0; i + 1 < of.length; i += 2) {
+      const [a, b] = of[i].on ? [of[i + 1], of[i]] : [of[i], of[i + 1]];
+      ratios.push(Math.log(b.value / a.value));
+    }
+    const mean = ratios.reduce((sum, r) => sum + r, 0) / ratios.length;
+    const error = Math.sqrt(ratios.reduce((sum, r) => sum + (r - mean) ** 2, 0) / (ratios.length - 1) / ratios.length);
+    const middle = (on) => quantile(of.filter((turn) => turn.on === on).map(({ value }) => value), 0.5);
+    return (
+      `${q === 0.5 ? 'median' : 'p99'} ${middle(false).toFixed(1)} us without, ${middle(true).toFixed(1)} us with, ` +
+      `ratio ${Math.exp(mean).toFixed(3)} +- ${error.toFixed(3)}`
+    );
+  });
+  const ticks = spans.reduce((sum, turn) => sum + turn.ticks.length, 0);
+  console.log(`${name}: ${said.join('; ')} (${turns} turns, ${ticks} ticks)`);
+}
+
+function readers(count) {
+  return async ({ program }) => {
+    const open = Array.from({ length: count }, () => Reader.open(program.address));
+    return () => open.forEach((reader) => reader.close());
+  };
+}
+
+// One page that sends 1000 aims a second.
+async function aims({ program }) {
+  const reader = Reader.open(program.address);
+  let sent = 0;
+  const timer = setInterval(() => {
+    for (let k = 0; k < 10; ++k) {
+      const x = 0.01 * Math.sin(0.002 * ++sent);
+      reader.send(JSON.stringify({ type: 'aim', tip: [x, 0, 0.06], axis: [0, 0, -1] }));
+    }
+  }, 10);
+  return () => {
+    clearInterval(timer);
+    reader.close();
+  };
+}
+
+// A client that draws the surfaces, without a page.
+async function surfaces({ socket }) {
+  const drawing = spawn(join(build, 'bin/omni'), ['surfaces', '--socket', socket], { stdio: 'ignore' });
+  const ended = new Promise((resolve) => drawing.once('exit', resolve));
+  return () => {
+    drawing.kill('SIGINT');
+    return ended;
+  };
 }
 
 await latency();
-for (let round = 0; round < 3; ++round) {
-  for (const [readers, aims_Hz] of [[0, 0], [5, 0], [1, 1000]]) {
-    const tick = await ticks(readers, aims_Hz);
-    console.log(
-      `${readers} readers${aims_Hz ? `, ${aims_Hz} aims/s` : ''}: tick median ${tick.us_median.toFixed(1)} us, p99 ${tick.us_p99.toFixed(1)} us, ` +
-        `late ${tick.late} of ${tick.count}, ${(tick.bytes / 20_000).toFixed(0)} kB/s`,
-    );
-  }
-}
+await compare('nothing (the spread of equal turns)', 'dragon', async () => () => {});
+await compare('5 readers', 'dragon', readers(5));
+await compare('20 readers', 'dragon', readers(20));
+await compare('surfaces published', 'dragon', surfaces);
+await compare('1000 aims/s', 'dragon', aims);

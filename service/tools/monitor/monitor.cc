@@ -9,8 +9,10 @@
 #include "service/monitor/monitor.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
+#include "service/tools/common/service_link.h"
 #include "service/tools/common/terminal.h"
 #include "service/tools/monitor/page_folder.h"
+#include "service/tools/monitor/telemetry_file.h"
 
 namespace omni::tools {
 namespace {
@@ -18,13 +20,28 @@ namespace {
 constexpr const char* kMonitorCommand = "omni monitor";
 
 struct MonitorArguments {
-  std::string socket;
+  std::string socket, csv;
   int port = 0;
   bool control = false, open = true;
   double seconds = std::numeric_limits<double>::infinity();
 };
 
+int WriteCsv(const MonitorArguments& arguments) {
+  const EndSignals signals;
+  const auto connection = ConnectToService(arguments.socket);
+  if (!connection.ok()) {
+    Fail(kMonitorCommand, connection.error());
+    return kExitNoService;
+  }
+  const base::Result<TelemetryCount> count = WriteTelemetry(**connection, arguments.csv, arguments.seconds);
+  if (!count.ok()) return Fail(kMonitorCommand, count.error());
+  std::printf("%s: %llu ticks, %llu lost\n", arguments.csv.c_str(), static_cast<unsigned long long>(count->rows),
+              static_cast<unsigned long long>(count->lost));
+  return kExitOk;
+}
+
 int MonitorPage(const MonitorArguments& arguments) {
+  if (!arguments.csv.empty()) return WriteCsv(arguments);
   const EndSignals signals;
   const base::Result<std::string> folder = FindPage();
   if (!folder.ok()) return Fail(kMonitorCommand, folder.error());
@@ -55,8 +72,10 @@ int MonitorPage(const MonitorArguments& arguments) {
 void AddMonitor(Command& app) {
   auto arguments = std::make_shared<MonitorArguments>();
   Command monitor = app.AddCommand("monitor", "show everything of a running omnid on a live page in the browser");
-  monitor.Add("--port", arguments->port, "of 127.0.0.1 (default: any that is free)").Range(1, 65535);
-  monitor.Add("--control", arguments->control, "let pages undo, save and release the emergency stop");
+  const console::Option csv =
+      monitor.Add("--csv", arguments->csv, "no page: write every tick to this new file, one row each");
+  monitor.Add("--port", arguments->port, "of 127.0.0.1 (default: any that is free)").Range(1, 65535).Excludes(csv);
+  monitor.Add("--control", arguments->control, "let pages undo, save and release the emergency stop").Excludes(csv);
   monitor.Add("!--no-open", arguments->open, "do not open a browser");
   monitor.Add("--seconds", arguments->seconds, "end after this many seconds (default: at Ctrl-C)").Positive();
   AddSocket(monitor, arguments->socket);
