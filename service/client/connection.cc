@@ -156,6 +156,11 @@ void Connection::Impl::Attempt(std::int64_t now_ns) {
         now_ns,
         "a privileged process (set-uid, set-gid or capabilities) needs an explicit socket path to connect to omnid");
   }
+  // Only an application starts omnid: who looks and finds none has an answer.
+  if (info.role != protocol::ClientRole::kApplication && protocol::PathProblem(path).empty() &&
+      protocol::FindService(path) == protocol::ServiceState::kOnDemand) {
+    return Fail(now_ns, "omnid does not run; systemd starts it with the first application (socket " + path + ")");
+  }
   base::Result<UniqueFd> dialled = Dial(path);
   if (!dialled.ok()) return Fail(now_ns, dialled.error());
   protocol::Hello hello;

@@ -105,6 +105,48 @@ std::string Problem(const CLI::App& root, const CLI::ParseError& error) {
   return path + ": " + what + (says_it_all ? "" : "; see '" + path + " --help'");
 }
 
+// The words of a kind "{a, b}", as OneOf names them.
+std::vector<std::string> ChoicesIn(const std::string& kind) {
+  const std::size_t begin = kind.find('{');
+  const std::size_t end = kind.find('}');
+  std::vector<std::string> words;
+  if (begin == std::string::npos || end == std::string::npos) return words;
+  for (std::size_t at = begin + 1; at < end;) {
+    const std::size_t comma = std::min(kind.find(", ", at), end);
+    words.push_back(kind.substr(at, comma - at));
+    at = comma + 2;
+  }
+  return words;
+}
+
+OptionText TextOf(const CLI::Option& option) {
+  OptionText text{.about = option.get_description(),
+                  .default_text = option.get_default_str(),
+                  .required = option.get_required(),
+                  .repeats = option.get_expected_max() > 1};
+  for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
+  for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
+  const bool flag = option.get_type_size_max() == 0;
+  if (text.names.empty()) {
+    text.value = option.get_name(true);
+  } else if (!flag) {
+    text.value = option.get_type_name();
+  }
+  text.choices = ChoicesIn(option.get_type_name());
+  return text;
+}
+
+CommandText TextOf(const CLI::App& app) {
+  CommandText text{.name = app.get_name(), .about = app.get_description(), .options = {}, .commands = {}};
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_group().empty()) text.options.push_back(TextOf(*option));
+  }
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (!command->get_group().empty()) text.commands.push_back(TextOf(*command));
+  }
+  return text;
+}
+
 }  // namespace
 
 Option Option::Required() { return Option(option_->required()); }
@@ -209,6 +251,8 @@ Program::Program(const std::string& name, const std::string& about, const std::s
 }
 
 Program::~Program() = default;
+
+CommandText Program::Describe() const { return TextOf(*app_); }
 
 std::optional<int> Program::Parse(int argc, const char* const* argv) {
   return Parse(std::vector<std::string>(argv + std::min(argc, 1), argv + argc));

@@ -85,6 +85,22 @@ class Command {
   CLI::App* app_;
 };
 
+// A command as its manual page and its completion describe it, hidden ones left out.
+struct OptionText {
+  std::vector<std::string> names;    // "--port", "-h"; empty: positional
+  std::string value;                 // "INT:INT in [1 - 65535]", as in --help; the name of a positional; empty: a flag
+  std::vector<std::string> choices;  // all there are; empty: any value
+  std::string about;
+  std::string default_text;  // empty: not shown
+  bool required = false;
+  bool repeats = false;  // takes several values
+};
+struct CommandText {
+  std::string name, about;
+  std::vector<OptionText> options;
+  std::vector<CommandText> commands;
+};
+
 class Program : public Command {
  public:
   // about: the first line of --help; its last ones are the exit statuses. version: empty: there is no --version.
@@ -96,6 +112,8 @@ class Program : public Command {
   std::optional<int> Parse(int argc, const char* const* argv);
   // The same; `words` follow the program's name.
   std::optional<int> Parse(std::vector<std::string> words);
+
+  CommandText Describe() const;
 
  private:
   std::unique_ptr<CLI::App> owned_;

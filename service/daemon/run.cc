@@ -19,20 +19,26 @@
 #include "service/daemon/end_watch.h"
 #include "service/daemon/log_queue.h"
 #include "service/daemon/service.h"
+#include "service/ipc/activation.h"
 #include "service/loop/tick_config.h"
 
 namespace omni::daemon {
 namespace {
 
 constexpr int kPoll_ms = 100;
+constexpr double kExitIdle_s = 60;  // of an omnid that systemd has started for a client
 
-// Until a signal comes or a replay is over. False: there is nothing to replay.
+// Until a signal comes, a replay is over, or no client has been there for options.exit_idle_s. False: there is nothing
+// to replay.
 bool ServeDevice(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink, Service& service,
                  EndWatch& end) {
   const EndWatch::CoilsToZero zero(end, [&service] { service.CoilsToZero(); });
   DeviceKeeper keeper(options, device, sink, service, end);
   if (!keeper.Open() && IsReplay(options.device)) return false;
   while (!end.Wait(kPoll_ms) && keeper.Watch()) {
+    if (options.exit_idle_s <= 0 || service.Idle_s() < options.exit_idle_s) continue;
+    spdlog::info("no client for {} s: omnid ends", options.exit_idle_s);
+    break;
   }
   return true;
 }
@@ -42,7 +48,24 @@ std::uint64_t RandomInstance() {
   return (static_cast<std::uint64_t>(random()) << 32) | random();
 }
 
-int RunChecked(const RunOptions& options) {
+// What systemd has passed decides where the socket is, and that omnid ends when nobody needs it.
+base::Status Adopt(const ipc::InheritedSocket& inherited, RunOptions& options) {
+  if (!options.socket_path.empty() && options.socket_path != inherited.path) {
+    return base::Error{"--socket " + options.socket_path + ": systemd has passed " + inherited.path +
+                       "; leave the option out, or change ListenSequentialPacket= of omnid.socket"};
+  }
+  options.socket_path = inherited.path;
+  if (options.exit_idle_s <= 0) options.exit_idle_s = kExitIdle_s;
+  return base::Ok{};
+}
+
+int RunChecked(RunOptions options, std::optional<ipc::InheritedSocket> inherited) {
+  if (inherited) {
+    if (const base::Status adopted = Adopt(*inherited, options); !adopted.ok()) {
+      spdlog::error("{}", adopted.error());
+      return 1;
+    }
+  }
   EndWatch end;  // before any other thread starts, which inherits the blocked signals
   if (IsTwin(options.device)) spdlog::warn("SIMULATION: {}", kSimulationText);
   std::optional<base::DeviceGeometry> from_file;
@@ -75,6 +98,7 @@ int RunChecked(const RunOptions& options) {
        .alignment_path = options.alignment_path.empty() ? config::UserAlignmentFile() : options.alignment_path,
        .on_aligned = [&sink](bool aligned) { sink.SetAligned(aligned); }});
   auto server = ipc::Server::Open({.socket_path = options.socket_path,
+                                   .inherited_fd = inherited ? inherited->fd.Release() : -1,
                                    .service_instance = instance,
                                    .state_fd = (*publisher)->fd(),
                                    .log = [](const std::string& line) { spdlog::warn("{}", line); }},
@@ -95,9 +119,14 @@ int RunChecked(const RunOptions& options) {
 
 int Run(const RunOptions& options) {
   std::signal(SIGPIPE, SIG_IGN);
+  auto inherited = ipc::TakeInheritedSocket();  // before the first thread
   const LogQueue log(options.log_level);
+  if (!inherited.ok()) {
+    spdlog::error("{}", inherited.error());
+    return 1;
+  }
   try {
-    return RunChecked(options);
+    return RunChecked(options, std::move(*inherited));
   } catch (const std::exception& caught) {
     spdlog::critical("omnid: {}", caught.what());
     return 1;

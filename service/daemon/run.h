@@ -22,6 +22,7 @@ struct RunOptions {
   std::uint64_t twin_seed = 1;
   std::string hand = "auto";  // "left", "right": the hand that holds the pen, unless an application's file names one
   std::string log_level = "info";
+  double exit_idle_s = 0;  // ends after so long without a client; 0: never, or 60 s when systemd has passed the socket
   bool realtime = true;
 };
 

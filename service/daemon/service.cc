@@ -52,6 +52,7 @@ Service::Service(ServiceOptions options)
         Send(id, reply);
       }),
       base_poses_(options_.alignment_path, base_pose_writer_.write()),
+      busy_ns_(start_ns_),
       calibration_(options_.calibration),
       surfaces_(
           options_.instance, [this](loop::SurfaceSnapshot& snapshot) { return ReadSnapshot(snapshot); },
@@ -230,6 +231,8 @@ bool Service::Aligned() const {
 }
 
 void Service::OnPeriod(std::int64_t now_ns) {
+  // An emergency stop would be forgotten at the end.
+  if (!clients_.empty() || !stopped_by_.empty()) busy_ns_.store(now_ns);
   HandleBuiltScenes();
   HandleSoftBodies();
   HandleSculptResults();

@@ -65,6 +65,8 @@ class Service : public ipc::ServerHandler {
   void SetRoom(std::vector<RoomFinding> findings);
   // Any thread: what forces the device that is attached, or about to be, can make. Detach resets it.
   void SetForceProperties(const protocol::ForceProperties& properties);
+  // Any thread: how long there has been neither a client nor an emergency stop.
+  double Idle_s() const;
   // Any thread: keys have changed.
   void SetKeys(const base::KeyStates& keys);
 
@@ -119,6 +121,7 @@ class Service : public ipc::ServerHandler {
   ForceClients force_;
   BasePoseWriter base_pose_writer_;
   BasePoses base_poses_;
+  std::atomic<std::int64_t> busy_ns_;  // newest period with a client, or with forces stopped
   std::string stopped_by_;             // emergency stop: who pressed it; empty: it is released
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
 

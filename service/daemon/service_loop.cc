@@ -4,6 +4,7 @@
 #include <thread>
 #include <utility>
 
+#include "service/base/clock.h"
 #include "service/daemon/service.h"
 
 namespace omni::daemon {
@@ -19,6 +20,8 @@ void Service::Attach(loop::TickThread& loop, const device::Transport& transport)
   transport_ = &transport;
   loop.keys().Write(key_states_);
 }
+
+double Service::Idle_s() const { return 1e-9 * static_cast<double>(base::MonotonicNow_ns() - busy_ns_.load()); }
 
 void Service::SetKeys(const base::KeyStates& keys) {
   const std::lock_guard lock(loop_mutex_);

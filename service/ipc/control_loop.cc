@@ -83,7 +83,8 @@ std::string NamesOfRoles(std::uint32_t roles) {
 
 base::Result<std::unique_ptr<ControlLoop>> ControlLoop::Open(const ServerOptions& options, ServerHandler& handler) {
   if (auto checked = CheckOptions(options); !checked) return Error{checked.error()};
-  auto listener = Listener::Open(options.socket_path);
+  auto listener = options.inherited_fd < 0 ? Listener::Open(options.socket_path)
+                                           : Listener::Adopt(base::UniqueFd(options.inherited_fd), options.socket_path);
   if (!listener) return Error{listener.error()};
   std::unique_ptr<ControlLoop> loop(new ControlLoop(options, handler, std::move(*listener)));
   if (auto opened = loop->OpenDescriptors(); !opened) return Error{opened.error()};

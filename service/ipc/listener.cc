@@ -44,11 +44,12 @@ int HolderOf(int lock_fd) {
   return pid;
 }
 
-// flock, so that the lock ends with its process whatever kills it.
+// Both kinds of lock end with their process whatever kills it. flock is the older one, that an omnid of before looks
+// at; the other can be looked at without being taken.
 Result<UniqueFd> TakeLock(const std::string& lock_path, const std::string& socket_path) {
   UniqueFd lock(::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!lock) return Failed("cannot open the lock file", lock_path);
-  if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
+  if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0 || !protocol::LockSocket(lock.get())) {
     if (errno != EWOULDBLOCK) return Failed("cannot lock", lock_path);
     const int pid = HolderOf(lock.get());
     return Error{"another omnid" + (pid > 0 ? " (pid " + std::to_string(pid) + ")" : std::string()) +
@@ -74,6 +75,12 @@ base::Status RemoveStaleSocket(const std::string& path) {
   return base::Ok{};
 }
 
+Result<UniqueFd> PrepareAndLock(const std::string& socket_path) {
+  if (std::string problem = protocol::PathProblem(socket_path); !problem.empty()) return Error{std::move(problem)};
+  if (auto folder = PrepareFolder(protocol::FolderOf(socket_path)); !folder) return Error{folder.error()};
+  return TakeLock(protocol::LockPathOf(socket_path), socket_path);
+}
+
 Result<UniqueFd> Bind(const std::string& path) {
   UniqueFd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket) return Failed("cannot make a socket for", path);
@@ -91,25 +98,23 @@ Result<UniqueFd> Bind(const std::string& path) {
 
 }  // namespace
 
-std::string Listener::LockPathOf(const std::string& socket_path) {
-  const std::string suffix = ".sock";
-  const bool usual = socket_path.size() > suffix.size() && socket_path.ends_with(suffix);
-  return (usual ? socket_path.substr(0, socket_path.size() - suffix.size()) : socket_path) + ".lock";
-}
-
 Result<Listener> Listener::Open(const std::string& socket_path) {
-  if (std::string problem = protocol::PathProblem(socket_path); !problem.empty()) return Error{std::move(problem)};
-  if (auto folder = PrepareFolder(protocol::FolderOf(socket_path)); !folder) return Error{folder.error()};
-  auto lock = TakeLock(LockPathOf(socket_path), socket_path);
+  auto lock = PrepareAndLock(socket_path);
   if (!lock) return Error{lock.error()};
   if (auto removed = RemoveStaleSocket(socket_path); !removed) return Error{removed.error()};
   auto socket = Bind(socket_path);
   if (!socket) return Error{socket.error()};
-  return Listener(socket_path, std::move(*lock), std::move(*socket));
+  return Listener(socket_path, std::move(*lock), std::move(*socket), false);
+}
+
+Result<Listener> Listener::Adopt(UniqueFd socket, const std::string& socket_path) {
+  auto lock = PrepareAndLock(socket_path);
+  if (!lock) return Error{lock.error()};
+  return Listener(socket_path, std::move(*lock), std::move(socket), true);
 }
 
 Listener::~Listener() {
-  if (socket_) ::unlink(path_.c_str());
+  if (socket_ && !adopted_) ::unlink(path_.c_str());
 }
 
 }  // namespace omni::ipc

@@ -1,5 +1,6 @@
 #include "service/protocol/socket_path.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -7,7 +8,9 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 
+#include "service/base/unique_fd.h"
 #include "service/protocol/control.h"
 #include "service/protocol/environment.h"
 
@@ -15,6 +18,29 @@ namespace omni::protocol {
 namespace {
 
 FolderCheck RefusedFolder(std::string problem) { return {FolderState::kRefused, std::move(problem)}; }
+
+struct flock WholeFile() {
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  return lock;
+}
+
+bool IsLocked(const std::string& path) {
+  const base::UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  struct flock lock = WholeFile();
+  return file && ::fcntl(file.get(), F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+}
+
+// A row of /proc/net/unix ends with "FLAGS TYPE STATE INODE PATH"; the flag 0x10000 is of a socket that accepts.
+bool IsListenedOn(const std::string& path) {
+  std::ifstream rows("/proc/net/unix");
+  for (std::string row; std::getline(rows, row);) {
+    const bool names_it = row.size() > path.size() && row.ends_with(path) && row[row.size() - path.size() - 1] == ' ';
+    if (names_it && row.find(" 00010000 ") != std::string::npos) return true;
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -68,6 +94,22 @@ FolderCheck CheckFolder(const std::string& folder) {
                          "` or set OMNI_SOCKET to a path in a folder of its own");
   }
   return {FolderState::kGood, {}};
+}
+
+std::string LockPathOf(const std::string& socket_path) {
+  const std::string suffix = ".sock";
+  const bool usual = socket_path.size() > suffix.size() && socket_path.ends_with(suffix);
+  return (usual ? socket_path.substr(0, socket_path.size() - suffix.size()) : socket_path) + ".lock";
+}
+
+bool LockSocket(int lock_fd) noexcept {
+  struct flock lock = WholeFile();
+  return ::fcntl(lock_fd, F_OFD_SETLK, &lock) == 0;
+}
+
+ServiceState FindService(const std::string& socket_path) {
+  if (IsLocked(LockPathOf(socket_path))) return ServiceState::kRuns;
+  return IsListenedOn(socket_path) ? ServiceState::kOnDemand : ServiceState::kAbsent;
 }
 
 SocketAddress AddressOf(const std::string& socket_path) {

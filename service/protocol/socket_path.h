@@ -27,6 +27,17 @@ struct FolderCheck {
 // Good: a real folder (no symlink), owned by this user, closed to all others (0700).
 FolderCheck CheckFolder(const std::string& folder);
 
+// Of the file that a running omnid keeps locked: "/x/omnid.sock" -> "/x/omnid.lock".
+std::string LockPathOf(const std::string& socket_path);
+
+// A lock of the open file description (fcntl F_OFD_SETLK) on that file. False, errno EAGAIN: another omnid has it.
+bool LockSocket(int lock_fd) noexcept;
+
+// kOnDemand: systemd listens on the socket, and a connection would start omnid.
+enum class ServiceState { kAbsent, kOnDemand, kRuns };
+// Without connecting. Precondition: PathProblem is empty.
+ServiceState FindService(const std::string& socket_path);
+
 // Precondition: PathProblem is empty.
 struct SocketAddress {
   sockaddr_un address{};

@@ -8,6 +8,7 @@
 
 #include <fstream>
 
+#include "service/protocol/socket_path.h"
 #include "tests/ipc/fixture.h"
 
 namespace omni::ipc {
@@ -42,6 +43,25 @@ TEST(Listener, RemovesTheSocketButNotTheFolder) {
   { ASSERT_TRUE(Listener::Open(path)); }
   EXPECT_NE(::access(path.c_str(), F_OK), 0);
   EXPECT_EQ(::access((temp.Path("omni")).c_str(), F_OK), 0);
+}
+
+TEST(Listener, AdoptedSocketStaysWhereItIs) {
+  const TempFolder temp;
+  const std::string path = temp.Path("omnid.sock");
+  const protocol::SocketAddress at = protocol::AddressOf(path);
+  base::UniqueFd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  ASSERT_EQ(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&at.address), at.bytes), 0);
+  EXPECT_EQ(protocol::FindService(path), protocol::ServiceState::kAbsent);
+  ASSERT_EQ(::listen(socket.get(), 1), 0);
+  EXPECT_EQ(protocol::FindService(path), protocol::ServiceState::kOnDemand);
+  {
+    const auto adopted = Listener::Adopt(base::UniqueFd(::dup(socket.get())), path);
+    ASSERT_TRUE(adopted) << adopted.error();
+    EXPECT_EQ(protocol::FindService(path), protocol::ServiceState::kRuns);
+    EXPECT_NE(ErrorOf(path).find("already serves"), std::string::npos);
+  }
+  EXPECT_EQ(protocol::FindService(path), protocol::ServiceState::kOnDemand);
+  EXPECT_EQ(::access(path.c_str(), F_OK), 0);
 }
 
 TEST(Listener, RejectsSecondListenerWithPidOfTheFirst) {
@@ -92,7 +112,7 @@ TEST(Listener, RejectsASymlinkAsLockFile) {
   const TempFolder temp;
   const std::string victim = temp.Path("victim");
   std::ofstream(victim) << "precious";
-  ASSERT_EQ(::symlink(victim.c_str(), Listener::LockPathOf(temp.Path("omnid.sock")).c_str()), 0);
+  ASSERT_EQ(::symlink(victim.c_str(), protocol::LockPathOf(temp.Path("omnid.sock")).c_str()), 0);
   EXPECT_NE(ErrorOf(temp.Path("omnid.sock")).find("lock file"), std::string::npos);
   EXPECT_EQ(std::filesystem::file_size(victim), 8u);
 }
@@ -103,8 +123,8 @@ TEST(Listener, RejectsOverlongPaths) {
 }
 
 TEST(Listener, LockPathReplacesTheSockSuffix) {
-  EXPECT_EQ(Listener::LockPathOf("/x/omnid.sock"), "/x/omnid.lock");
-  EXPECT_EQ(Listener::LockPathOf("/x/other"), "/x/other.lock");
+  EXPECT_EQ(protocol::LockPathOf("/x/omnid.sock"), "/x/omnid.lock");
+  EXPECT_EQ(protocol::LockPathOf("/x/other"), "/x/other.lock");
 }
 
 }  // namespace test_ipc_listener

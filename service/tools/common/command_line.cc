@@ -8,9 +8,6 @@
 namespace omni::tools {
 namespace {
 
-// One row per subcommand.
-constexpr const char* kAbout = "omni: inspect and set up the Omni haptic base, its service and its scenes";
-
 // Commands that moved to omni-bench.
 void AddMoved(Command& app, const std::string& name, const std::string& now) {
   app.AddHidden(name).Run([name, now] {
@@ -26,13 +23,17 @@ void AddSocket(Command& command, std::string& socket) {
   command.Add("--socket", socket, "control socket (default: $OMNI_SOCKET, else the user's)");
 }
 
+void AddCommands(console::Program& omni) {
+  omni.RequireCommand();
+#define OMNI_ADD(name) Add##name(omni);
+  OMNI_COMMANDS(OMNI_ADD)
+#undef OMNI_ADD
+}
+
 int RunCommandLine(int argc, const char* const* argv) {
   try {
-    console::Program omni("omni", kAbout, OMNI_VERSION);
-    omni.RequireCommand();
-#define OMNI_ADD(name) Add##name(omni);
-    OMNI_COMMANDS(OMNI_ADD)
-#undef OMNI_ADD
+    console::Program omni("omni", kOmniAbout, OMNI_VERSION);
+    AddCommands(omni);
     AddMoved(omni, "bench", "omni-bench");
     AddMoved(omni, "paper", "omni-bench paper");
     return omni.Parse(argc, argv).value_or(kExitOk);
