@@ -11,9 +11,10 @@ install(CODE "
   cmake_path(ABSOLUTE_PATH unit_folder BASE_DIRECTORY \"\${prefix}\")
   string(REPLACE \"%\" \"%%\" OMNI_PROGRAMS \"\${prefix}/bin\")
   configure_file(\"${CMAKE_SOURCE_DIR}/manifests/systemd/omnid.service.in\" \"${CMAKE_BINARY_DIR}/omnid.service\" @ONLY)
-  file(INSTALL DESTINATION \"\${unit_folder}\" TYPE FILE FILES \"${CMAKE_BINARY_DIR}/omnid.service\")
-")
+  file(INSTALL DESTINATION \"\${unit_folder}\" TYPE FILE FILES \"${CMAKE_BINARY_DIR}/omnid.service\"
+       \"${CMAKE_SOURCE_DIR}/manifests/systemd/omnid.socket\")
+" COMPONENT omni)
 
 install(FILES LICENSE README.md CHANGELOG.md SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN man EXCLUDE)
 install(DIRECTORY manifests/limits DESTINATION ${CMAKE_INSTALL_DOCDIR}/manifests)

@@ -187,6 +187,17 @@ RegionTouches TouchesOf(const ContactScene& contact_scene, const ContactForces& 
   return touches;
 }
 
+bool Holds(const Scene& scene, const State& state) noexcept {
+  for (std::size_t r = 0; r < scene.regions().size(); ++r) {
+    if (state.regions[r].phase == ExtrudePhase::kHeld) return true;
+  }
+  const std::size_t tools = scene.live() == nullptr ? 0 : std::min(scene.live()->sculpt_session_count(), kMaxSculpted);
+  for (std::size_t n = 0; n < tools; ++n) {
+    if (state.sculpted[n].tool.phase == sculpt::SculptPhase::kHeld) return true;
+  }
+  return false;
+}
+
 // Faces that are pushed in and pulled out; their force on the tip, base frame.
 Vec3 StepRegions(const ContactScene& contact_scene, const StiffnessBound& bound, const Input& input,
                  const RegionTouches& touches, State& state) noexcept {
@@ -230,6 +241,7 @@ Touched Touch(const Scene& scene, const StiffnessBound& bound, const Input& inpu
     }
   }
   touched.others_N = touched.others_N + StepRegions(contact_scene, bound, input, touches, state);
+  output.holding = Holds(scene, state);
   touched.moving = touched.moving || !RegionsRest(scene, state) || input.scene_motion != SceneMotion::kStill;
   if (state.left_fade_s > 0) touched.others_N = touched.others_N + FadeLeaving(input.dt_s, state);
   ForgetUntouched(state);

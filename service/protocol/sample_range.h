@@ -9,9 +9,9 @@ namespace omni::protocol {
 inline constexpr double kLargestValue = 1e6;                           // of any SI value in a sample
 inline constexpr std::int64_t kLatestTime_ns = std::int64_t{1} << 62;  // differences of two times cannot overflow
 inline constexpr double kUnitTolerance = 1e-2;                         // of |q|^2
-inline constexpr std::uint32_t kKnownToolFlags = kToolPoseValid | kToolTracked | kToolContact | kToolJoystick |
-                                                 kToolAligned | kToolPushed | kToolSaturated | kToolWarm |
-                                                 kToolOutOfReach | kToolDeviceFault | kToolStiffnessLimited;
+inline constexpr std::uint32_t kKnownToolFlags =
+    kToolPoseValid | kToolTracked | kToolContact | kToolJoystick | kToolAligned | kToolPushed | kToolSaturated |
+    kToolWarm | kToolOutOfReach | kToolDeviceFault | kToolStiffnessLimited | kToolHolding;
 
 bool InRange(const ToolSample& sample) noexcept;
 bool InRange(const InputSnapshot& inputs) noexcept;

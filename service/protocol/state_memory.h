@@ -21,17 +21,18 @@ inline constexpr std::uint32_t kRingCapacity = 512;       // >= 250 ms at 1 kHz
 inline constexpr int kMaxTornReads = 3;
 
 enum ToolFlag : std::uint32_t {
-  kToolPoseValid = 1u << 0,         // there is a pose (maybe the last known one)
-  kToolTracked = 1u << 1,           // this sample was measured
-  kToolContact = 1u << 2,           // force is being rendered
-  kToolJoystick = 1u << 3,          // the active scene says joystick: thumbstick components are live
-  kToolAligned = 1u << 4,           // base pose in the headset's space is known (else the default placement holds)
-  kToolPushed = 1u << 5,            // a force or a constraint of the application acts
-  kToolSaturated = 1u << 6,         // the device's limit cut the force
-  kToolWarm = 1u << 7,              // coils may carry less current than cold ones
-  kToolOutOfReach = 1u << 8,        // no force can be made at this pose
-  kToolDeviceFault = 1u << 9,       // the device reports a fault: no force
-  kToolStiffnessLimited = 1u << 10  // constraints are softer or less damped than requested
+  kToolPoseValid = 1u << 0,          // there is a pose (maybe the last known one)
+  kToolTracked = 1u << 1,            // this sample was measured
+  kToolContact = 1u << 2,            // force is being rendered
+  kToolJoystick = 1u << 3,           // the active scene says joystick: thumbstick components are live
+  kToolAligned = 1u << 4,            // base pose in the headset's space is known (else the default placement holds)
+  kToolPushed = 1u << 5,             // a force or a constraint of the application acts
+  kToolSaturated = 1u << 6,          // the device's limit cut the force
+  kToolWarm = 1u << 7,               // coils may carry less current than cold ones
+  kToolOutOfReach = 1u << 8,         // no force can be made at this pose
+  kToolDeviceFault = 1u << 9,        // the device reports a fault: no force
+  kToolStiffnessLimited = 1u << 10,  // constraints are softer or less damped than requested
+  kToolHolding = 1u << 11            // the tip holds a face or a sculpted surface, which follows it
 };
 
 // Frame T of the tool: origin at the device point (tip), -Z out of the tip along the pen's axis; roll about the axis

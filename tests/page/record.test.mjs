@@ -12,6 +12,8 @@ const { crc32: referenceCrc32 } = fromTests('@foxglove/crc');
 const { Recorder } = await load('record/recorder.ts');
 const { crc32 } = await load('record/crc32.ts');
 const { shortest } = await load('record/text.ts');
+const { Track } = await load('record/track.ts');
+const { SceneParts } = await load('view/scene_parts.ts');
 
 // ---- Made up recordings, the same for the same seed
 
@@ -458,7 +460,7 @@ test('MCAP: both readers of @mcap/core find every message, its time and its valu
     if (seed === 6) assert.ok(chunks.length > 2);
     for (const chunk of chunks.slice(0, -1)) assert.ok(chunk.records.length >= 2 ** 20);
     const topics = [...stream.channels.values()].map((channel) => channel.topic).sort();
-    const names = ['contacts', 'force', 'inputs', 'pen', 'telemetry', 'vehicle'];
+    const names = ['contacts', 'force', 'inputs', 'pen', 'surface_poses', 'surfaces', 'telemetry', 'vehicle'];
     assert.deepEqual(topics, names.map((name) => `/omni/${name}`));
   }
 });
@@ -827,4 +829,531 @@ test('many gaps cost no memory', () => {
   for (let i = 1; i < 100; ++i) recorder.add(live([1 + 10 * i]));
   assert.equal(recorder.samples, 100);
   assert.ok(recorder.bytes / one < 1.2); // only the newest has room for more
+});
+
+// ---- Surfaces
+
+const kStep_s = 0.1; // as documented: at most ten states a second
+const kSame_m = 5.0001e-6;
+
+function makeSurface(scene, object, changes = {}) {
+  return {
+    scene,
+    object,
+    rotation: [1, 0, 0, 0],
+    translation: [0, 0, 0],
+    largest_displacement_m: 0,
+    positions: null,
+    triangles: null,
+    ...changes,
+  };
+}
+
+const coordinates = (r, vertices) => Float32Array.from({ length: 3 * vertices }, () => 0.1 * (r() - 0.5));
+const corners = (r, triangles, vertices) => Uint32Array.from({ length: 3 * triangles }, () => integer(r, vertices));
+
+// What can come next of an object: only a pose, some vertices moved a little or much, another mesh, and what is none.
+function nextSurface(r, scene, object, known) {
+  const rotation = [0.5 + r(), float(r), float(r), float(r)].map((x) => Math.fround(Math.max(-9, Math.min(9, x))));
+  const pose = { rotation, translation: vec3(r), largest_displacement_m: Math.fround(0.01 * r()) };
+  const moved = () => {
+    const positions = known.positions.slice();
+    const step = [1e-6, 1e-5, 1e-2][integer(r, 3)];
+    const first = integer(r, positions.length);
+    const end = r() < 0.5 ? positions.length : first + integer(r, 30);
+    for (let i = first; i < Math.min(end, positions.length); ++i) positions[i] += step * (r() - 0.5);
+    return positions;
+  };
+  const kind = known.positions === null ? integer(r, 2) : integer(r, 12);
+  const vertices = 3 + integer(r, 200);
+  switch (kind) {
+    case 0: // moved as a whole
+      return makeSurface(scene, object, pose);
+    case 1: // another mesh
+      return makeSurface(scene, object, {
+        ...pose,
+        positions: coordinates(r, vertices),
+        triangles: corners(r, 1 + integer(r, 300), vertices),
+      });
+    case 2: { // some other triangles
+      const triangles = known.triangles.slice();
+      for (let i = 0; i < 5; ++i) triangles[integer(r, triangles.length)] = integer(r, known.positions.length / 3);
+      return makeSurface(scene, object, { ...pose, positions: moved(), triangles });
+    }
+    case 3: // vertices more
+      return makeSurface(scene, object, { ...pose, positions: Float32Array.of(...known.positions, 1, 2, 3) });
+    default:
+      return makeSurface(scene, object, { ...pose, positions: moved() });
+  }
+}
+
+const kMalformed = [
+  { positions: new Float32Array(7) },
+  { positions: new Float32Array(9), triangles: new Uint32Array(4) },
+  { rotation: [0, 0, 0, 0] },
+  { rotation: [NaN, 0, 0, 1] },
+  { translation: [0, Infinity, 0] },
+];
+
+function assertNear(actual, expected) { // floats within the tolerance, whatever is no number exactly
+  assert.equal(actual?.length, expected?.length);
+  for (let i = 0; i < (expected?.length ?? 0); ++i) {
+    if (!(Math.abs(actual[i] - expected[i]) <= kSame_m)) assert.equal(actual[i], expected[i]);
+  }
+}
+
+function assertSameSurfaces(actual, expected) {
+  assert.deepEqual(actual.map(({ object }) => object).sort(), expected.map(({ object }) => object).sort());
+  for (const surface of expected) {
+    const { positions, triangles, ...rest } = actual.find(({ object }) => object === surface.object);
+    for (const key of ['scene', 'rotation', 'translation', 'largest_displacement_m']) {
+      assert.deepEqual(rest[key], surface[key]);
+    }
+    assertNear(positions, surface.positions);
+    assert.equal(triangles?.length, surface.triangles?.length);
+    if (triangles !== null) assertSame(triangles, surface.triangles);
+  }
+}
+
+// Plays scenes of a few objects; `past`: what a page that keeps a copy of everything at each message would have.
+function playSurfaces(seed, { seconds = 12, limits = {}, after = () => undefined } = {}) {
+  const r = random(seed);
+  const recorder = new Recorder(makeHello(), limits);
+  const past = []; // { t_s, scene, name, surfaces }
+  let now = { scene: 0, name: '', known: new Map() };
+  for (let m = 0; m < 60 * seconds; ++m) {
+    if (m % 240 === 0) {
+      now = { scene: now.scene + 1, name: `scene ${now.scene + 1}.glb`, known: new Map() };
+      recorder.surfaces.setScene({ number: now.scene, name: now.name });
+    }
+    const quiet = m % 120 > 100;
+    for (let n = quiet ? 0 : integer(r, 4); n > 0; --n) {
+      const object = integer(r, 5);
+      const known = now.known.get(object) ?? { positions: null, triangles: null };
+      const message = nextSurface(r, now.scene, object, known);
+      now.known.set(object, {
+        ...message,
+        positions: message.positions ?? known.positions,
+        triangles: message.triangles ?? known.triangles,
+      });
+      recorder.surfaces.add(message);
+      if (r() < 0.1) recorder.surfaces.add(makeSurface(now.scene, object, kMalformed[integer(r, kMalformed.length)]));
+      if (r() < 0.1) recorder.surfaces.add({ ...message, scene: now.scene - 1 }); // late, of a scene that is gone
+    }
+    const t_s = (m + 1) / 60;
+    recorder.add(live([t_s - 0.01, t_s]));
+    past.push({ t_s, scene: now.scene, name: now.name, surfaces: [...now.known.values()], quiet });
+    after(recorder);
+  }
+  return { recorder, past };
+}
+
+test('any time of a recording has each surface as it was then, at most a tenth of a second before', () => {
+  for (const seed of [31, 32, 33]) {
+    const { recorder, past } = playSurfaces(seed);
+    const r = random(seed);
+    // What was kept: of each object the state at the first message after it changed, at most ten a second.
+    const kept = [];
+    const due = new Map();
+    past.forEach(({ t_s, scene, surfaces }, m) => {
+      const before = past[m - 1]?.scene === scene ? past[m - 1].surfaces : [];
+      if (before.length === 0) due.clear();
+      for (const surface of surfaces) {
+        const state = due.get(surface.object) ?? { due_s: -Infinity, news: false };
+        state.news ||= !before.includes(surface);
+        if (state.news && t_s >= state.due_s) {
+          kept.push({ t_s, surface });
+          Object.assign(state, { due_s: t_s + kStep_s, news: false });
+        }
+        due.set(surface.object, state);
+      }
+    });
+    const times = Array.from({ length: 300 }, () => past[0].t_s + r() * (past.at(-1).t_s - past[0].t_s));
+    for (const t_s of [...past.map((each) => each.t_s), ...times]) { // forwards, then at random
+      const then = past.findLast((each) => each.t_s <= t_s);
+      const newest = new Map();
+      for (const each of kept) {
+        if (each.t_s <= t_s && each.surface.scene === then.scene) newest.set(each.surface.object, each.surface);
+      }
+      const { surfaces, scene, name, late_s, complete } = recorder.surfaces.at(t_s);
+      assert.deepEqual([scene, name, late_s, complete], [then.scene, then.name, 0, true]);
+      assertSameSurfaces(surfaces, [...newest.values()]);
+      for (const surface of surfaces) { // independent of how states are chosen: it was live a moment ago
+        const since_s = t_s - kStep_s - 2 / 60;
+        const recent = past.filter((each) => each.t_s <= t_s && each.t_s > since_s && each.scene === scene);
+        const states = recent.map((each) => each.surfaces.find(({ object }) => object === surface.object));
+        assert.ok(states.some((state) => state && state.translation.every((x, i) => x === surface.translation[i])));
+      }
+    }
+    // Where nothing changed for a while, it is exactly what was live; and after all.
+    for (const { t_s, surfaces, quiet } of past.filter((each, m) => each.quiet && past[m - 8]?.quiet)) {
+      assert.ok(quiet);
+      assertSameSurfaces(recorder.surfaces.at(t_s).surfaces, surfaces);
+    }
+    assertSameSurfaces(recorder.surfaces.at(Infinity).surfaces, past.at(-1).surfaces);
+    assert.equal(recorder.surfaces.at(NaN), null);
+  }
+});
+
+test('a track gives back every word, whatever the words are', () => {
+  for (const seed of [34, 35]) {
+    const r = random(seed);
+    const track = new Track(0);
+    const states = [];
+    let words = Uint32Array.from({ length: 500 }, () => integer(r, 2 ** 32));
+    for (let n = 0; n < 3000; ++n) {
+      const what = r();
+      if (what < 0.05) words = Uint32Array.from({ length: integer(r, 4000) }, () => integer(r, 2 ** 32));
+      else if (what < 0.15) words = words.slice(0, integer(r, words.length));
+      else if (what < 0.25) words = Uint32Array.of(...words, ...Array.from({ length: integer(r, 50) }, () => 7));
+      else if (what < 0.9) {
+        words = words.slice();
+        const word = () => (r() < 0.5 ? 0x7fc00001 : integer(r, 2 ** 32)); // a NaN that is not the usual one
+        for (let i = integer(r, 40); i > 0; --i) words[integer(r, words.length)] = word();
+      }
+      const given = words.slice();
+      track.add(n, given);
+      given.fill(9); // what is kept is a copy
+      states.push(words);
+    }
+    for (let n = 0; n < 3000; n = r() < 0.7 ? n + 1 : integer(r, 3000)) {
+      const found = track.at(n + r() * 0.9);
+      assert.equal(found, track.at(n), 'the same array for the same state');
+      assertSame(found, states[n]);
+      if (n === 2999) break;
+    }
+    assert.equal(track.at(-0.1), null);
+    // The entries of a range are the same states.
+    for (let n = 0; n < 5; ++n) {
+      const [from, to] = [integer(r, 3000), integer(r, 3000)].sort((a, b) => a - b);
+      assertSame(joinEntries(track.entries(from, to)), states[to]);
+    }
+    // What is dropped is gone, what is left is as it was.
+    const { bytes, second_s } = track;
+    track.dropOldest();
+    assert.ok(track.bytes < bytes && track.begin_s === second_s && track.at(second_s - 1) === null);
+    for (const n of [second_s, 2999]) assertSame(track.at(n), states[n]);
+  }
+});
+
+// As a reader of files does it.
+function joinEntries(entries) {
+  let words = new Uint32Array();
+  for (const { whole, length, words: data } of entries) {
+    if (whole) {
+      words = data.slice();
+      continue;
+    }
+    const next = new Uint32Array(Math.max(length, words.length));
+    next.set(words);
+    for (let at = 0; at < data.length; at += 2 + data[at + 1]) {
+      next.set(data.subarray(at + 2, at + 2 + data[at + 1]), data[at]);
+    }
+    words = next.slice(0, length);
+  }
+  return words;
+}
+
+test('surfaces of foreign sizes: a million messages stay within the memory, and none costs more than the first', () => {
+  setFlagsFromString('--expose-gc');
+  const collect = runInNewContext('gc');
+  const used = () => {
+    collect();
+    collect();
+    return process.memoryUsage().arrayBuffers;
+  };
+  const r = random(36);
+  const limit = 8e6;
+  const pool = Array.from({ length: 200 }, (_, i) => {
+    const vertices = [1, 10, 100, 600, 200000][i % 40 === 0 ? 4 : integer(r, 4)];
+    const few = i % 40 === 0 ? 3 : integer(r, vertices);
+    return [coordinates(r, vertices), corners(r, few, i % 17 === 0 ? 2 * vertices : vertices)];
+  });
+  const recorder = new Recorder(makeHello(kChannels.slice(0, 1)), { surface_bytes: limit });
+  const { surfaces } = recorder;
+  const before = used();
+  let t_s = 0;
+  let most = 0;
+  let scene = 0;
+  const part = () => {
+    const start_ms = performance.now();
+    for (let n = 0; n < 10000; ++n) {
+      const what = r();
+      if (what < 0.001) surfaces.setScene({ number: ++scene, name: 'x'.repeat(integer(r, 50)) });
+      const [positions, triangles] = pool[integer(r, pool.length)];
+      const object = what < 0.9 ? integer(r, 6) : integer(r, 2 ** 32);
+      surfaces.add(makeSurface(scene, object, {
+        translation: [what, 0, 0],
+        positions: what < 0.3 ? null : positions,
+        triangles: what > 0.6 ? triangles : null,
+      }));
+      if (n % 4 === 0) {
+        t_s += 1 / 60;
+        recorder.add(makeLive(kQuietState, [t_s], 1, () => n));
+      }
+      most = Math.max(most, surfaces.bytes);
+      assert.ok(surfaces.bytes <= limit);
+    }
+    return performance.now() - start_ms;
+  };
+  const times_ms = Array.from({ length: 100 }, part);
+  assert.ok(most / limit > 0.9, 'the memory is used');
+  assert.ok(surfaces.from_s > 0 && surfaces.from_s < t_s);
+  const samples = recorder.bytes;
+  const pooled = pool.reduce((sum, [a, b]) => sum + a.byteLength + b.byteLength, 0);
+  assert.ok(used() - before < limit + samples + pooled + 2e6, 'bytes counts everything');
+  const fastest = (list) => Math.min(...list);
+  const ratio = fastest(times_ms.slice(-20)) / fastest(times_ms.slice(5, 25));
+  assert.ok(ratio < 1.5, `a message at the end took ${ratio.toFixed(2)} times as long`);
+  // It is shown as before: what is too old as it was when it was still kept.
+  const then = surfaces.at(0);
+  assert.ok(Math.abs(then.late_s - surfaces.from_s) < 1e-9);
+  assert.ok(surfaces.bytes <= limit + limit / 4);
+});
+
+test('a message costs as much after hours as at the beginning, and so does looking back', () => {
+  const r = random(37);
+  const recorder = new Recorder(makeHello(kChannels.slice(0, 1)), { surface_bytes: 64e6 });
+  recorder.surfaces.setScene({ number: 1, name: 'clay.glb' });
+  const triangles = corners(r, 2000, 1000);
+  let positions = coordinates(r, 1000);
+  let m = 0;
+  const part = (count) => {
+    const start_ms = performance.now();
+    for (let n = 0; n < count; ++n, ++m) {
+      positions = positions.slice();
+      for (let i = 0; i < 90; ++i) positions[(7 * m + i) % 3000] += 1e-3;
+      recorder.surfaces.add(makeSurface(1, 0, { positions, triangles: m === 0 ? triangles : null }));
+      recorder.add(makeLive(kQuietState, [m / 10], 1, () => m));
+    }
+    return performance.now() - start_ms;
+  };
+  const look = () => {
+    const { begin_s, end_s } = recorder;
+    const start_ms = performance.now();
+    for (let n = 0; n < 200; ++n) recorder.surfaces.at(begin_s + r() * (end_s - begin_s));
+    return performance.now() - start_ms;
+  };
+  part(300);
+  look();
+  const first = [];
+  const last = [];
+  for (let n = 0; n < 5; ++n) first.push({ add: part(200), look: look() });
+  for (let n = 0; n < 20; ++n) part(250); // ten minutes are kept: more is dropped
+  for (let n = 0; n < 5; ++n) last.push({ add: part(200), look: look() });
+  for (const what of ['add', 'look']) {
+    const ratio = Math.min(...last.map((each) => each[what])) / Math.min(...first.map((each) => each[what]));
+    assert.ok(ratio < 2, `${what}: ${ratio.toFixed(2)} times as long`);
+  }
+  assert.equal(recorder.surfaces.from_s, -Infinity); // they reach as far back as the samples
+  assert.equal(recorder.surfaces.at(recorder.begin_s).surfaces.length, 1);
+});
+
+test('surfaces that do not fit leave their mark: what was before is shown as it was later', () => {
+  const limits = { surface_bytes: 1e6 };
+  const { recorder, past } = playSurfaces(38, { seconds: 40, limits, after: ({ surfaces }) => {
+    assert.ok(surfaces.bytes <= limits.surface_bytes);
+  } });
+  const { surfaces } = recorder;
+  assert.ok(surfaces.bytes / limits.surface_bytes > 0.8);
+  assert.ok(surfaces.from_s > 1 && surfaces.from_s < 39);
+  const all = playSurfaces(38, { seconds: 40 }).recorder.surfaces; // the same with room enough
+  const r = random(39);
+  for (let n = 0; n < 200; ++n) {
+    const t_s = 1 / 60 + r() * 40;
+    const then = surfaces.at(t_s);
+    assert.equal(then.late_s, Math.max(0, surfaces.from_s - t_s));
+    const expected = all.at(Math.max(t_s, surfaces.from_s));
+    assert.deepEqual([then.scene, then.name], [expected.scene, expected.name]);
+    assertSameSurfaces(then.surfaces, expected.surfaces);
+  }
+  assertSameSurfaces(surfaces.at(Infinity).surfaces, past.at(-1).surfaces);
+});
+
+test('a surface that is too large is not kept, and that is known', () => {
+  const r = random(40);
+  const recorder = new Recorder(makeHello(), { surface_bytes: 1e6 });
+  const { surfaces } = recorder;
+  surfaces.setScene({ number: 1, name: 'large.glb' });
+  const small = makeSurface(1, 0, { positions: coordinates(r, 50), triangles: corners(r, 20, 50) });
+  const large = makeSurface(1, 1, { positions: coordinates(r, 20000), triangles: corners(r, 20, 50) });
+  surfaces.add(small);
+  recorder.add(live([1]));
+  assert.equal(surfaces.at(1).complete, true);
+  surfaces.add(large);
+  for (let object = 2; object < 200; ++object) surfaces.add(makeSurface(1, object)); // more than a scene has
+  recorder.add(live([2]));
+  const then = surfaces.at(2);
+  assert.equal(then.complete, false);
+  assert.equal(then.surfaces.length, 64);
+  assertSameSurfaces(then.surfaces.filter(({ object }) => object === 0), [small]);
+  surfaces.setScene({ number: 2, name: 'next.glb' });
+  recorder.add(live([3]));
+  assert.deepEqual(surfaces.at(3), { scene: 2, name: 'next.glb', surfaces: [], complete: true, late_s: 0 });
+});
+
+test('malformed surfaces change nothing', () => {
+  const r = random(41);
+  const recorder = recorded([]);
+  const { surfaces } = recorder;
+  surfaces.add(makeSurface(1, 0)); // before there is a scene
+  surfaces.setScene({ number: 1, name: 'clay.glb' });
+  const good = makeSurface(1, 0, { positions: coordinates(r, 30), triangles: corners(r, 40, 30) });
+  surfaces.add(makeSurface(1, 7, { positions: coordinates(r, 30) })); // no triangles yet: only its pose
+  surfaces.add(good);
+  recorder.add(live([1]));
+  for (const malformed of kMalformed) surfaces.add(makeSurface(1, 0, malformed));
+  surfaces.add({ ...good, scene: 2 });
+  surfaces.add({ ...good, positions: coordinates(r, 5), triangles: null }); // corners that are no vertices any more
+  surfaces.add({ ...good, triangles: Uint32Array.of(0, 1, 30) });
+  surfaces.add({ ...good, positions: null, triangles: Uint32Array.of(0, 1, 2) });
+  recorder.add(live([2]));
+  const unshaped = makeSurface(1, 7);
+  for (const t_s of [1, 2]) assertSameSurfaces(surfaces.at(t_s).surfaces, [good, unshaped]);
+});
+
+test('surfaces go with the samples: cleared, dropped, of another clock; what is now stays', () => {
+  const { recorder, past } = playSurfaces(42, { seconds: 30, limits: { length_s: 5, chunk: 16 } });
+  const { surfaces } = recorder;
+  const newest = past.at(-1).surfaces;
+  const kept = playSurfaces(42, { seconds: 30 }).recorder.surfaces;
+  assert.ok(surfaces.bytes / kept.bytes < 0.5);
+  assert.equal(surfaces.from_s, -Infinity);
+  assertSameSurfaces(surfaces.at(recorder.begin_s).surfaces, kept.at(recorder.begin_s).surfaces);
+  assertSameSurfaces(surfaces.at(recorder.begin_s + 2).surfaces, kept.at(recorder.begin_s + 2).surfaces);
+  recorder.clear();
+  assert.equal(surfaces.at(Infinity), null);
+  recorder.add(live([31]));
+  assertSameSurfaces(surfaces.at(31).surfaces, newest);
+  assertSameSurfaces(surfaces.at(0).surfaces, newest);
+  recorder.add(live([32]));
+  recorder.add(live([7, 8])); // the clock was set back
+  assertSameSurfaces(surfaces.at(8).surfaces, newest);
+  surfaces.add({ ...newest[0], translation: [1, 2, 3] });
+  recorder.add(live([9]));
+  assert.deepEqual(surfaces.at(9).surfaces.find(({ object }) => object === newest[0].object).translation, [1, 2, 3]);
+  assertSameSurfaces(surfaces.at(8.5).surfaces, newest);
+  surfaces.rest();
+  assertSameSurfaces(surfaces.at(8.5).surfaces, newest);
+});
+
+test('what is drawn: the surface of then in a replay, of no other scene, and what is newest when live again', () => {
+  const r = random(44);
+  const parts = new SceneParts(() => false);
+  const triangles = Uint32Array.of(0, 1, 2, 0, 2, 3);
+  const about = { name: 'block', object: 0, material: '' };
+  const load = (number) => {
+    parts.setScene({ type: 'scene', number, name: 'clay', state: 'ready', text: '', parts: [about], materials: [] });
+    const [positions, normals] = [coordinates(r, 4), coordinates(r, 4)];
+    const looks = { colour: [1, 1, 1], roughness: 1, colours: null };
+    parts.add({ scene: number, part: 0, ...looks, positions, normals, triangles });
+    return positions;
+  };
+  const state = (scene, translation = [0, 0, 0]) =>
+    makeSurface(scene, 0, { translation, positions: coordinates(r, 4), triangles: triangles.slice() });
+  const drawn = () => { // corners of all triangles that are drawn, where they are drawn
+    parts.update();
+    parts.group.updateMatrixWorld(true);
+    const found = [];
+    parts.group.traverseVisible((mesh) => {
+      if (!mesh.isMesh) return;
+      const { index, drawRange, attributes } = mesh.geometry;
+      const count = Math.min(index.count, drawRange.count);
+      for (let i = 0; i < count; ++i) {
+        const v = index.getX(i);
+        const [x, y, z] = ['getX', 'getY', 'getZ'].map((get) => attributes.position[get](v));
+        const e = mesh.matrixWorld.elements;
+        found.push([x + e[12], y + e[13], z + e[14]].map(Math.fround));
+      }
+    });
+    return found;
+  };
+  const of = ({ positions, translation = [0, 0, 0] }) =>
+    [...triangles].map((v) => [0, 1, 2].map((axis) => Math.fround(positions[3 * v + axis] + translation[axis])));
+  const asLoaded = { positions: load(1) };
+  const replay = (scene, ...surfaces) => parts.setReplay({ scene, surfaces });
+  assert.deepEqual(drawn(), of(asLoaded));
+  const [first, second, third, newest] = [state(1), state(1, [0.5, 0, 0]), state(1), state(1, [0, 0.25, 0])];
+  parts.setSurface(first);
+  assert.deepEqual(drawn(), of(first));
+  assert.equal(replay(1, second), true);
+  assert.deepEqual(drawn(), of(second));
+  assert.equal(replay(1, second), false); // nothing to draw
+  assert.equal(replay(1), true); // it had not changed yet
+  assert.deepEqual(drawn(), of(asLoaded));
+  assert.equal(parts.setSurface(newest), false); // not seen
+  assert.deepEqual(drawn(), of(asLoaded));
+  replay(1, third);
+  assert.deepEqual(drawn(), of(third));
+  replay(2, { ...second, scene: 2 });
+  assert.deepEqual(drawn(), []); // of another scene
+  assert.equal(parts.name(0), '');
+  replay(1, second);
+  assert.deepEqual(drawn(), of(second));
+  assert.equal(parts.setReplay(null), true);
+  assert.deepEqual(drawn(), of(newest));
+  assert.equal(parts.setReplay(null), false);
+  for (const malformed of kMalformed) assert.equal(parts.setSurface(makeSurface(1, 0, malformed)), false);
+  assert.deepEqual(drawn(), of(newest));
+
+  replay(1, first);
+  const newcomer = { positions: load(2) }; // another scene comes while one is replayed
+  assert.deepEqual(drawn(), []);
+  parts.setSurface(state(2));
+  assert.deepEqual(drawn(), []);
+  replay(2);
+  assert.deepEqual(drawn(), of(newcomer));
+  const last = state(2);
+  parts.setSurface(last);
+  parts.setReplay(null);
+  assert.deepEqual(drawn(), of(last));
+});
+
+test('MCAP: surfaces are read back as they are replayed', async () => {
+  const { recorder } = playSurfaces(43, { seconds: 9 });
+  for (const [from_s, to_s] of [[-Infinity, Infinity], [2.2, 6.5], [5, 5.1]]) {
+    const bytes = await bytesOf(await recorder.mcap(from_s, to_s));
+    const { messages } = readStream(bytes);
+    assert.ok(messages.every(({ time }, i) => i === 0 || messages[i - 1].time <= time), 'by time');
+    const { reader } = await readIndexed(bytes);
+    const objects = new Map(); // by scene and object
+    const known = (json) => {
+      const key = `${json.scene}/${json.object}`;
+      if (!objects.has(key)) objects.set(key, { scene: json.scene, object: json.object, positions: [], triangles: [] });
+      return objects.get(key);
+    };
+    let scene = 0;
+    let compared = 0;
+    messages.forEach(({ topic, text }, i) => {
+      if (!topic.startsWith('/omni/surface')) return;
+      const json = JSON.parse(text);
+      assert.equal(json.scene_name, `scene ${json.scene}.glb`);
+      scene = json.scene;
+      if (topic === '/omni/surface_poses') {
+        Object.assign(known(json), { rotation: json.rotation, translation: json.translation });
+      } else {
+        const data = Buffer.from(json.data, 'base64');
+        const words = new Uint32Array(new Uint8Array(data).buffer);
+        known(json)[json.part].push({ whole: json.whole, length: json.length, words });
+      }
+      if (messages[i + 1]?.topic.startsWith('/omni/surface')) return; // more of the same time
+      const then = recorder.surfaces.at(json.t_monotonic_s);
+      assert.equal(then.scene, scene);
+      ++compared;
+      for (const surface of then.surfaces) {
+        const read = objects.get(`${scene}/${surface.object}`);
+        const { x, y, z, w } = read.rotation;
+        assert.deepEqual([w, x, y, z].map(Math.fround), surface.rotation);
+        const t = read.translation;
+        assert.deepEqual([t.x, t.y, t.z].map(Math.fround), surface.translation);
+        const positions = joinEntries(read.positions);
+        assertSame(new Float32Array(positions.buffer), surface.positions ?? []);
+        assertSame(joinEntries(read.triangles), surface.triangles ?? []);
+      }
+    });
+    assert.ok(compared >= 1);
+    for (const name of ['omni.Surface', 'omni.SurfacePose']) {
+      assert.ok([...reader.schemasById.values()].some((schema) => schema.name === name));
+    }
+  }
 });

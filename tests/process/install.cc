@@ -83,6 +83,7 @@ TEST_F(Installed, ContainsEveryFile) {
                            "bin/scene_render",
                            "include/openxr/omni_force_feedback.h",
                            "lib/systemd/user/omnid.service",
+                           "lib/systemd/user/omnid.socket",
                            "lib/udev/rules.d/70-omni.rules",
                            "share/omni/apps.d/10-extrusion.toml",
                            "share/omni/device/omni.toml",
@@ -93,7 +94,10 @@ TEST_F(Installed, ContainsEveryFile) {
                            "share/doc/omni/LICENSE",
                            "share/doc/omni/README.md",
                            "share/doc/omni/docs/howto/install.md",
-                           "share/doc/omni/layer/examples/touch/main.cc",
+                           "share/bash-completion/completions/omni",
+                           "share/fish/vendor_completions.d/omni.fish",
+                           "share/zsh/vendor-completions/_omni",
+                           "share/doc/libomni-dev/examples/touch/main.cc",
                            "share/doc/omni/manifests/limits/99-omni-realtime.conf"}) {
     EXPECT_TRUE(fs::is_regular_file(fs::path(Prefix()) / file)) << file;
   }

@@ -18,6 +18,7 @@ std::uint32_t Flags(const loop::TickOutput& output) noexcept {
   if (output.tool.status == base::TrackingStatus::kTracking) flags |= protocol::kToolTracked;
   if (output.haptics.in_contact && output.gate > 0) flags |= protocol::kToolContact;
   if (output.haptics.joystick) flags |= protocol::kToolJoystick;
+  if (output.haptics.holding && output.gate > 0) flags |= protocol::kToolHolding;
   if (output.applied.acts && output.gate > 0) flags |= protocol::kToolPushed;
   if (output.saturated) flags |= protocol::kToolSaturated;
   if (output.warm) flags |= protocol::kToolWarm;

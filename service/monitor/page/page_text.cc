@@ -33,6 +33,7 @@ constexpr auto kFlagNames = std::to_array<BitName>({
     {protocol::kToolOutOfReach, "out_of_reach"},
     {protocol::kToolDeviceFault, "device_fault"},
     {protocol::kToolStiffnessLimited, "stiffness_limited"},
+    {protocol::kToolHolding, "holding"},
 });
 // loop::TickFault: protocol::TelemetrySample::tick_faults.
 constexpr auto kTickFaultNames = std::to_array<BitName>({

@@ -11,7 +11,9 @@ import { Theme } from './ui/theme';
 import { Recorder } from './record/recorder';
 import { History } from './strips/history';
 import './style.css';
-import type { AnswerMessage, BinaryMessage, Hello, Live, NoticeMessage, SceneMessage, TextMessage } from './types';
+import type {
+  AnswerMessage, BinaryMessage, Hello, Live, NoticeMessage, SceneMessage, Surface, TextMessage,
+} from './types';
 import { View } from './view/view';
 
 const kText_ms = 100; // between two updates of the panels
@@ -72,6 +74,7 @@ class App {
     replay: false,
     silent_s: Infinity,
     dent_m: NaN,
+    then: null,
     lost: 0,
     undecodable: { count: 0, text: '' },
   };
@@ -156,9 +159,10 @@ class App {
   private takeScene(scene: SceneMessage): void {
     if (scene.number !== this.state.scene?.number) {
       this.dents.clear();
-      this.state.dent_m = NaN;
+      if (!this.state.replay) this.state.dent_m = NaN;
     }
     this.state.scene = scene;
+    this.session?.recorder.surfaces.setScene(scene);
     this.view.setScene(scene);
     this.page.feel.setScene(this.state.hello, scene);
   }
@@ -178,11 +182,7 @@ class App {
       case 'shape':
         return this.view.addShape(message.shape);
       case 'surface':
-        if (message.surface.scene === this.state.scene?.number) {
-          this.dents.set(message.surface.object, message.surface.largest_displacement_m);
-          this.state.dent_m = Math.max(...this.dents.values());
-        }
-        return this.view.setSurface(message.surface);
+        return this.takeSurface(message.surface);
       case 'file':
         if (this.page.feel.takes(message.file)) {
           const bytes = new Uint8Array(message.file.bytes); // a copy: the message is let go
@@ -191,6 +191,15 @@ class App {
         }
         return;
     }
+  }
+
+  private takeSurface(surface: Surface): void {
+    if (surface.scene === this.state.scene?.number) {
+      this.dents.set(surface.object, surface.largest_displacement_m);
+      if (!this.state.replay) this.state.dent_m = deepest(this.dents.values());
+    }
+    this.session?.recorder.surfaces.add(surface);
+    this.view.setSurface(surface);
   }
 
   private takeLive(live: Live): void {
@@ -222,6 +231,10 @@ class App {
     this.shown_s = NaN;
     if (!replay) {
       this.state.live = this.newest;
+      this.state.then = null;
+      this.state.dent_m = deepest(this.dents.values());
+      this.session?.recorder.surfaces.rest();
+      this.view.setReplay(null);
       if (this.newest !== null) this.view.setLive(this.newest);
     }
     this.enableHand();
@@ -244,11 +257,20 @@ class App {
     const shown_s = this.page.replay.shown_s;
     if (!Number.isNaN(shown_s) && shown_s !== this.shown_s) {
       this.shown_s = shown_s;
-      const live = this.session?.recorder.at(shown_s) ?? null;
-      this.state.live = live;
-      if (live !== null) this.view.setLive(live);
+      this.showThen(shown_s);
     }
     if (this.session !== null) this.page.strips.draw(this.session.history, this.end_s());
+  }
+
+  // The samples and surfaces of a recorded time.
+  private showThen(t_s: number): void {
+    const live = this.session?.recorder.at(t_s) ?? null;
+    const then = this.session?.recorder.surfaces.at(t_s) ?? null;
+    this.state.live = live;
+    this.state.then = then;
+    this.state.dent_m = deepest((then?.surfaces ?? []).map((surface) => surface.largest_displacement_m));
+    if (then !== null) this.view.setReplay(then);
+    if (live !== null) this.view.setLive(live);
   }
 
   private writeTexts(): void {
@@ -258,6 +280,12 @@ class App {
     const title = [this.state.replay ? 'Replay' : '', scene, 'Omni'].filter((text) => text !== '').join(' - ');
     if (document.title !== title) document.title = title;
   }
+}
+
+// NaN: there are none.
+function deepest(dents_m: Iterable<number>): number {
+  const most = Math.max(...dents_m);
+  return most >= 0 ? most : NaN;
 }
 
 function pick(live: Live): Pick<Live, 'count' | 'times_s' | 'samples'> {

@@ -66,10 +66,46 @@ constexpr Component kIndex[] = {
     {"output/haptic", kHaptic, kBoth, "Haptics"},
 };
 
+constexpr Component kVive[] = {
+    {"input/system/click", kBool, kBoth, "System"},
+    {"input/menu/click", kBool, kBoth, "Menu"},
+    {"input/squeeze/click", kBool, kBoth, "Squeeze"},
+    {"input/trigger/click", kBool, kBoth, "Trigger"},
+    {"input/trigger/value", kFloat, kBoth, "Trigger"},
+    {"input/trackpad", kVector2, kBoth, "Trackpad"},
+    {"input/trackpad/x", kVectorX, kBoth, "Trackpad"},
+    {"input/trackpad/y", kVectorY, kBoth, "Trackpad"},
+    {"input/trackpad/click", kBool, kBoth, "Trackpad"},
+    {"input/trackpad/touch", kBool, kBoth, "Trackpad"},
+    {"input/grip/pose", kPose, kBoth, "Grip"},
+    {"input/aim/pose", kPose, kBoth, "Aim"},
+    {"output/haptic", kHaptic, kBoth, "Haptics"},
+};
+
+constexpr Component kMotion[] = {
+    {"input/menu/click", kBool, kBoth, "Menu"},
+    {"input/squeeze/click", kBool, kBoth, "Squeeze"},
+    {"input/trigger/value", kFloat, kBoth, "Trigger"},
+    {"input/thumbstick", kVector2, kBoth, "Thumbstick"},
+    {"input/thumbstick/x", kVectorX, kBoth, "Thumbstick"},
+    {"input/thumbstick/y", kVectorY, kBoth, "Thumbstick"},
+    {"input/thumbstick/click", kBool, kBoth, "Thumbstick"},
+    {"input/trackpad", kVector2, kBoth, "Trackpad"},
+    {"input/trackpad/x", kVectorX, kBoth, "Trackpad"},
+    {"input/trackpad/y", kVectorY, kBoth, "Trackpad"},
+    {"input/trackpad/click", kBool, kBoth, "Trackpad"},
+    {"input/trackpad/touch", kBool, kBoth, "Trackpad"},
+    {"input/grip/pose", kPose, kBoth, "Grip"},
+    {"input/aim/pose", kPose, kBoth, "Aim"},
+    {"output/haptic", kHaptic, kBoth, "Haptics"},
+};
+
 constexpr Profile kProfiles[] = {
     {"/interaction_profiles/khr/simple_controller", "Simple Controller", kSimple},
     {"/interaction_profiles/oculus/touch_controller", "Touch Controller", kTouch},
     {"/interaction_profiles/valve/index_controller", "Index Controller", kIndex},
+    {"/interaction_profiles/htc/vive_controller", "Vive Controller", kVive},
+    {"/interaction_profiles/microsoft/motion_controller", "Motion Controller", kMotion},
 };
 
 bool Converts(ComponentType from, XrActionType to) {

@@ -89,7 +89,7 @@ export class NowPanel implements Panel {
     this.soft.set(soft === null ? null : soft.text);
     setHidden(this.softBar, soft === null || soft.done >= 1);
     if (soft !== null) this.softBar.value = soft.done;
-    this.dent.set(Number.isNaN(state.dent_m) || state.replay ? null : mm(state.dent_m, 2));
+    this.dent.set(Number.isNaN(state.dent_m) ? null : mm(state.dent_m, 2));
     const strokes = state.replay ? -1 : (state.status?.strokes ?? -1);
     this.strokes.set(strokes < 0 ? null : plural(strokes, 'stroke'));
   }

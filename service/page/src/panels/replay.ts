@@ -26,6 +26,11 @@ export class ReplayBar {
   private readonly timeline: Timeline;
   private readonly time = make('span', { class: 'replay-time', 'data-testid': 'replay-time' });
   private readonly range = make('span', { class: 'replay-range', 'data-testid': 'replay-range' });
+  private readonly surfaces = make('span', {
+    class: 'replay-range',
+    'data-testid': 'surfaces-kept',
+    title: 'How far back soft, sculpted and moved surfaces are kept: older ones have made room for newer ones',
+  });
   private readonly csv: HTMLButtonElement;
   private readonly mcap: HTMLButtonElement;
   private readonly whole: HTMLButtonElement;
@@ -60,7 +65,8 @@ export class ReplayBar {
     const mode = make('span', { class: 'joined', role: 'group', 'aria-label': 'What is shown' });
     mode.append(this.live, this.replay);
     this.playing = make('span', { class: 'buttons', hidden: true }, this.play, this.speed, from, to);
-    const files = make('span', { class: 'buttons files' }, this.range, this.whole, this.csv, this.mcap, this.forget);
+    const files = make('span', { class: 'buttons files' }, this.range, this.surfaces, this.whole);
+    files.append(this.csv, this.mcap, this.forget);
     const recording = make('span', { class: 'buttons' }, this.record, this.recorded);
     const line = make('span', { class: 'timeline-box' }, this.timeline.root, this.time);
     this.root = make('section', { class: 'replay-bar', 'aria-label': 'Record and replay' });
@@ -96,6 +102,7 @@ export class ReplayBar {
     const span = this.span(recorder);
     this.timeline.update(recorder.begin_s, end_s, t_s, this.marks(recorder) ? span : null);
     setText(this.time, replays ? ago(end_s - t_s) : Number.isFinite(end_s) ? 'live' : '-');
+    this.writeSurfaces(recorder, end_s);
     this.writeRecording(recorder);
     this.writeRange(recorder, span);
     setPressed(this.live, !replays);
@@ -106,6 +113,14 @@ export class ReplayBar {
     setText(this.forget, performance.now() < this.sure_ms ? 'Really clear?' : 'Clear');
     const empty = !(recorder.samples > 0);
     for (const button of [this.csv, this.mcap, this.replay]) if (button.disabled !== empty) button.disabled = empty;
+  }
+
+  // Only where they do not reach as far back as the samples.
+  private writeSurfaces({ begin_s, surfaces }: Recorder, end_s: number): void {
+    const { from_s } = surfaces;
+    const shorter = from_s > begin_s;
+    setHidden(this.surfaces, !shorter);
+    if (shorter) setText(this.surfaces, from_s < end_s ? `Surfaces: last ${clock(end_s - from_s)}` : 'Surfaces: none');
   }
 
   private writeRecording(recorder: Recorder): void {

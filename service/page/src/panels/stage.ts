@@ -3,6 +3,7 @@ import type { View } from '../view/view';
 import { download, make, makeButton, setHidden, setText } from '../ui/dom';
 import { recall, remember } from '../ui/memory';
 import type { Actions, PageState } from './state';
+import { replayNote } from './words';
 
 const kCameras = ['front', 'side', 'top', 'near'] as const;
 const kWords = { front: 'Front', side: 'Side', top: 'Top', near: 'Near' };
@@ -12,6 +13,7 @@ export class Stage {
   readonly root: HTMLElement;
   readonly host = make('div', { class: 'view-host', id: 'view' });
   private readonly replay = make('strong', { class: 'badge replay', 'data-testid': 'replay-badge' }, 'REPLAY');
+  private readonly note = make('p', { class: 'replay-note', role: 'status', 'data-testid': 'replay-note' });
   private readonly text = make('p', { class: 'unseen', id: 'view-text', 'data-testid': 'view-text' });
   private readonly buttons = make('div', { class: 'cameras', role: 'group', 'aria-label': 'Camera' });
   private view: View | null = null;
@@ -19,7 +21,7 @@ export class Stage {
   private described_ms = -Infinity;
 
   constructor(private readonly actions: Actions) {
-    const badges = make('div', { class: 'view-badges' }, this.replay);
+    const badges = make('div', { class: 'view-badges' }, this.replay, this.note);
     this.replay.hidden = true;
     this.root = make('section', { class: 'stage', 'aria-label': '3-D view', 'aria-describedby': 'view-text' });
     this.root.append(this.host, badges, this.buttons, this.text);
@@ -38,6 +40,7 @@ export class Stage {
 
   update(state: PageState): void {
     setHidden(this.replay, !state.replay);
+    setText(this.note, replayNote(state));
     const now_ms = performance.now();
     if (this.view === null || now_ms - this.described_ms < kDescribe_ms) return;
     this.described_ms = now_ms;

@@ -1,5 +1,6 @@
 // What the page knows now. main.ts writes it, the panels read it.
 import type { LinkState } from '../link';
+import type { SurfacesThen } from '../record/surface_record';
 import type { Hello, Live, Request, SceneMessage, Status, StatusMessage } from '../types';
 import type { Signals } from './signals';
 
@@ -12,7 +13,8 @@ export interface PageState {
   live: Live | null; // what is shown: the newest, or that of the replayed time
   replay: boolean;
   silent_s: number; // since the last message with samples
-  dent_m: number; // largest displacement of the newest surfaces; NaN: none
+  dent_m: number; // largest displacement of the surfaces that are shown; NaN: none
+  then: SurfacesThen | null; // what is replayed; null: nothing is, or no scene is known of that time
   lost: number; // samples that never came, as this page was too slow
   undecodable: { count: number; text: string }; // messages that were not understood
 }

@@ -1,5 +1,5 @@
 // What is going on, in plain words.
-import { fixed, mm, plural } from '../ui/format';
+import { clock, fixed, mm, plural } from '../ui/format';
 import { length } from './signals';
 import { statusOf } from './state';
 import type { PageState } from './state';
@@ -33,19 +33,45 @@ export function tracking(state: PageState): Tracking {
   return { state: 'absent', text: `No pen is near: ${bring}` };
 }
 
-// "dragon with 0.32 N, lid with 0.10 N"
+// "dragon with 0.32 N, lid with 0.10 N", "clay with 0.40 N, held: pull it out, or push it in"
 export function touching(state: PageState): string {
-  const contacts = state.live?.contacts ?? [];
-  if (contacts.length === 0) return 'nothing';
+  const { live, signals } = state;
+  const contacts = live?.contacts ?? [];
+  const held = live !== null && signals.flag(live, 'holding') === true ? 'held: pull it out, or push it in' : '';
+  if (contacts.length === 0) return held || 'nothing';
   const force = (contact: Contact): string => fixed(length(contact.force), 2);
-  return contacts.map((contact) => `${objectName(state, contact)} with ${force(contact)} N`).join(', ');
+  const touched = contacts.map((contact) => `${objectName(state, contact)} with ${force(contact)} N`).join(', ');
+  return held === '' ? touched : `${touched}, ${held}`;
 }
 
 function objectName(state: PageState, contact: Contact): string {
+  if (isOfOtherScene(state)) return `object ${contact.object}`;
   const part = state.scene?.parts.find((candidate) => candidate.object === contact.object);
   const material = state.scene?.materials.find((candidate) => candidate.index === contact.material)?.name ?? '';
   const name = part?.name || `object ${contact.object}`;
   return material === '' || material === name ? name : `${name} (${material})`;
+}
+
+// What is replayed is of a scene that is not loaded now.
+function isOfOtherScene({ then, scene }: PageState): boolean {
+  return then !== null && then.scene !== scene?.number;
+}
+
+// What of the replayed scene cannot be shown as it was; "": all is.
+export function replayNote(state: PageState): string {
+  const { then, scene } = state;
+  if (then === null) return '';
+  if (isOfOtherScene(state)) {
+    if (then.name === '') return 'No scene was loaded at this time.';
+    if (then.name === scene?.name) {
+      return `${then.name} was loaded again after this time: what it was like before is not drawn.`;
+    }
+    return `${then.name} was loaded at this time. It is not loaded now, so only the pen is drawn.`;
+  }
+  if (then.late_s > 0) {
+    return `Surfaces of this time are no longer kept: they are drawn as they were ${clock(then.late_s, 1)} later.`;
+  }
+  return then.complete ? '' : 'A surface was too large to be kept: it is drawn as it was loaded.';
 }
 
 // Why the force is not what it should be; "": it is.

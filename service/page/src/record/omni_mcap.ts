@@ -1,12 +1,15 @@
 // What a recording is as an MCAP file: all samples as JSON on /omni/telemetry; contacts, vehicle, inputs, and for
-// Foxglove the pen's pose and the force on it, on channels of their own, once per message of the service. Times are
-// nanoseconds since 1970, by the clock of this computer; each message also has its CLOCK_MONOTONIC time.
+// Foxglove the pen's pose and the force on it, on channels of their own, once per message of the service; surfaces as
+// the recording has them: whole states, and what has changed since. Times are nanoseconds since 1970, by the clock of
+// this computer; each message also has its CLOCK_MONOTONIC time.
 import type { Contact, Hello, Live, Quat, Vec3, Vehicle } from '../types';
 import type { Chunk, Slice } from './chunk';
 import { McapWriter } from './mcap';
 import { Pace } from './pace';
 import * as schemas from './schemas';
-import { shorten, shortestJson, unique } from './text';
+import type { SurfaceEntry } from './surface_record';
+import { poseOfWords } from './surface_tracks';
+import { base64, shorten, shortestJson, unique } from './text';
 import { columnsOf, kForce, kOrientation, kTip, orientationAt, vectorAt } from './vectors';
 
 const kFrame = 'omni_base';
@@ -66,7 +69,24 @@ function poseOf(time_ns: bigint, tip: Vec3, orientation: Quat): object {
   return {
     timestamp: { sec: Number(time_ns / kNs), nsec: Number(time_ns % kNs) },
     frame_id: kFrame,
-    pose: { position: xyz(tip), orientation: { ...xyz([x, y, z]), w: shorten(w) } },
+    pose: { position: xyz(tip), orientation: wxyz([w, x, y, z]) },
+  };
+}
+
+function wxyz([w, x, y, z]: Quat): { w: number; x: number; y: number; z: number } {
+  return { ...xyz([x, y, z]), w: shorten(w) };
+}
+
+function surfaceOf({ part, length, whole, words }: SurfaceEntry): object {
+  return { part, length, whole, data: base64(new Uint8Array(words.buffer, words.byteOffset, words.byteLength)) };
+}
+
+function surfacePoseOf(words: Uint32Array): object {
+  const { rotation, translation, largest_displacement_m } = poseOfWords(words);
+  return {
+    rotation: wxyz(rotation),
+    translation: xyz(translation),
+    largest_displacement_m: shorten(largest_displacement_m),
   };
 }
 
@@ -76,6 +96,8 @@ class OmniMcap {
   private readonly contacts: number;
   private readonly vehicle: number;
   private readonly inputs: number;
+  private readonly surfacePose: number;
+  private readonly surface: number;
   private readonly pen: { id: number; tip: number[]; orientation: number[] | null } | null; // null: not measured
   private readonly force: { id: number; columns: number[] } | null;
   private readonly poseValid: number; // as a mask of Live.flags; 0: there is no such flag
@@ -93,6 +115,8 @@ class OmniMcap {
     this.contacts = add('/omni/contacts', schemas.contacts);
     this.vehicle = add('/omni/vehicle', schemas.vehicle);
     this.inputs = add('/omni/inputs', schemas.inputs(kInputs));
+    this.surfacePose = add('/omni/surface_poses', schemas.surfacePose);
+    this.surface = add('/omni/surfaces', schemas.surface);
     const tip = columnsOf(channels, kTip);
     const orientation = columnsOf(channels, kOrientation);
     this.pen = tip === null ? null : { id: add('/omni/pen', schemas.pose), tip, orientation };
@@ -129,22 +153,43 @@ class OmniMcap {
     write(this.pen.id, poseOf(time_ns, tip, orientationAt(chunk, newest, this.pen.orientation)));
   }
 
+  // A pose is always whole: it is short.
+  writeSurface(entry: SurfaceEntry, t_monotonic_s: number): void {
+    const { scene, name, object, part, words } = entry;
+    const about = { t_monotonic_s, scene, scene_name: name, object };
+    const [id, content] = part === 'pose'
+      ? [this.surfacePose, surfacePoseOf(words)]
+      : [this.surface, surfaceOf(entry)];
+    this.writer.message(id, this.time(t_monotonic_s), JSON.stringify({ ...about, ...content }));
+  }
+
   private time(t_s: number): bigint {
     return this.epoch_ns + BigInt(Math.round(t_s * 1e9));
   }
 }
 
-export async function writeMcap(hello: Hello, slices: readonly Slice[], epoch_ns: bigint): Promise<Blob> {
+// `surfaces`: by time.
+export async function writeMcap(
+  hello: Hello,
+  slices: readonly Slice[],
+  surfaces: readonly SurfaceEntry[],
+  epoch_ns: bigint,
+): Promise<Blob> {
   const pace = new Pace();
   const pieces: Blob[] = [];
   const writer = new McapWriter(`omni page ${hello.version}`, (bytes) => pieces.push(new Blob([bytes])));
   const omni = new OmniMcap(writer, hello, epoch_ns);
+  let next = 0; // of the surfaces
   for (const { chunk, first, last } of slices) {
     for (let i = first; i < last; ) {
       const message = chunk.messageOf(i);
       const end = chunk.start(message + 1);
       for (; i < Math.min(end, last); ++i) omni.writeSample(chunk, i);
       if (end <= last) omni.writeState(chunk, message);
+      while (end <= last && next < surfaces.length && surfaces[next]!.t_s <= chunk.time(end - 1)) {
+        omni.writeSurface(surfaces[next++]!, chunk.time(end - 1));
+        await pace.rest();
+      }
       await pace.rest();
     }
   }

@@ -1,24 +1,28 @@
 // Keeps what the service sent: always the newest ten minutes, and what the person asked to keep. For replay, and for
-// files. Bounded in memory: chunks of samples, of which the oldest go first, those of a recording last.
+// files. Bounded in memory: chunks of samples, of which the oldest go first, those of a recording last; surfaces have a
+// bound of their own.
 import type { Hello, Live } from '../types';
 import { Chunk, bisect } from './chunk';
 import type { Slice } from './chunk';
 import { writeCsv } from './csv';
 import { writeMcap } from './omni_mcap';
+import { SurfaceRecord } from './surface_record';
 
 export interface Limits {
   length_s: number;
   bytes: number;
   chunk: number; // samples
+  surface_bytes: number; // besides
 }
 
-const kLimits: Limits = { length_s: 600, bytes: 192e6, chunk: 4096 };
+const kLimits: Limits = { length_s: 600, bytes: 192e6, chunk: 4096, surface_bytes: 128e6 };
 const kRecordingShare = 0.9; // of both limits; the rest is for what comes after the recording
 const kGap_s = 1; // longer ones between two messages are not counted as recorded time
 const kLatest_s = 4e9; // 127 years after the machine was started: no such time
 const kJump_s = 1; // back by more: another clock. By less: samples that were sent before
 
 export class Recorder {
+  readonly surfaces: SurfaceRecord;
   private readonly channels: number;
   private readonly limits: Limits;
   private chunks: Chunk[] = [];
@@ -36,6 +40,7 @@ export class Recorder {
   ) {
     this.channels = hello.channels.length;
     this.limits = { ...kLimits, ...limits };
+    this.surfaces = new SurfaceRecord(this.limits.surface_bytes);
   }
 
   get recording(): boolean {
@@ -90,6 +95,7 @@ export class Recorder {
   // Drops everything. A recording goes on with what comes next.
   clear(): void {
     this.chunks = [];
+    this.surfaces.clear();
     this.from_s = NaN;
     this.to_s = NaN;
   }
@@ -104,6 +110,7 @@ export class Recorder {
     const first_s = live.times_s[rows[0]!]!;
     this.chunkFor(rows.length, first_s).add(live, rows);
     this.newest_s = live.times_s[rows.at(-1)!]!;
+    this.surfaces.sample(this.newest_s);
     this.epoch_ms = Date.now() - 1e3 * this.newest_s;
     if (this.isRecording && Number.isNaN(this.from_s)) this.from_s = first_s;
     this.bound();
@@ -147,7 +154,7 @@ export class Recorder {
 
   mcap(from_s: number, to_s: number): Promise<Blob> {
     const epoch_ns = BigInt(Math.round(1e3 * this.epoch_ms)) * 1000n;
-    return writeMcap(this.hello, this.slices(from_s, to_s), epoch_ns);
+    return writeMcap(this.hello, this.slices(from_s, to_s), this.surfaces.entries(from_s, to_s), epoch_ns);
   }
 
   // Which samples of a message are newer than all before. If the clock has gone back, everything before is dropped:
@@ -198,11 +205,13 @@ export class Recorder {
       const full = bytesOf(marked) > kRecordingShare * bytes;
       if (full || lengthOf(marked) > kRecordingShare * length_s) this.stopFull();
     }
+    const { begin_s } = this;
     while (this.bytes > bytes || this.length_s > length_s) {
       const unmarked = this.chunks.findIndex((chunk) => !this.isMarked(chunk));
       const [dropped] = this.chunks.splice(Math.max(unmarked, 0), 1);
       if (unmarked < 0) this.unmark(dropped!);
     }
+    if (this.begin_s !== begin_s) this.surfaces.dropBefore(this.begin_s);
   }
 
   private stopFull(): void {

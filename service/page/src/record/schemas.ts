@@ -9,6 +9,11 @@ export interface Schema extends Property {
 type Property = Record<string, unknown>;
 
 const kTime = { t_monotonic_s: number('time of the sample, CLOCK_MONOTONIC, s') };
+const kObject = {
+  scene: integer('counts up; surfaces of another number are of another scene'),
+  scene_name: { type: 'string' },
+  object: integer('index of the object in the scene'),
+};
 
 function number(description: string): Property {
   return { type: 'number', description };
@@ -76,6 +81,33 @@ export function inputs(names: readonly string[]): Schema {
   });
   return { title: 'omni.Inputs', ...object({ ...kTime, ...Object.fromEntries(names.map((name) => [name, input])) }) };
 }
+
+export const surfacePose: Schema = {
+  title: 'omni.SurfacePose',
+  ...object({
+    ...kTime,
+    ...kObject,
+    rotation: object({ w: number(''), x: number(''), y: number(''), z: number('') }, 'of the vertices, then ...'),
+    translation: vector('... moved by this, base frame', 'm'),
+    largest_displacement_m: number('of a vertex from where the scene has it, m'),
+  }),
+};
+
+export const surface: Schema = {
+  title: 'omni.Surface',
+  ...object({
+    ...kTime,
+    ...kObject,
+    part: { type: 'string', description: '"positions" (float32 x, y, z per vertex, m) or "triangles" (uint32 x 3)' },
+    length: integer('of the array, in words of 32 bits'),
+    whole: { type: 'boolean', description: 'false: the array is that of the message before, but for what has changed' },
+    data: {
+      type: 'string',
+      contentEncoding: 'base64',
+      description: 'little endian. whole: the array; else runs of uint32 first, uint32 count, that many words',
+    },
+  }),
+};
 
 export const force: Schema = {
   title: 'omni.Force',

@@ -2,6 +2,7 @@
 
 const kDigits = 7; // what most measured values need
 const kMaximumDigits = 10; // 9 are always enough; one more, because the exponent below may be one too large
+const kPieceBytes = 8192; // that are made into text at once
 const kPowers = Array.from({ length: 23 }, (_, k) => Number(`1e${k}`)); // the powers of ten that a double holds exactly
 
 // x to `digits` decimal digits, of which the first is at 10^exponent. The last step has exact operands and rounds
@@ -39,6 +40,15 @@ export function shortest(x: number): string {
 // The same for JSON, which has no text for what is not finite.
 export function shortestJson(x: number): string {
   return Number.isFinite(x) ? shortest(x) : 'null';
+}
+
+// Of any bytes, for JSON.
+export function base64(bytes: Uint8Array): string {
+  let text = '';
+  for (let at = 0; at < bytes.length; at += kPieceBytes) {
+    text += String.fromCharCode(...bytes.subarray(at, at + kPieceBytes));
+  }
+  return btoa(text);
 }
 
 // Names that are columns or keys: a second "a" becomes "a_2", and none is one of `taken`.

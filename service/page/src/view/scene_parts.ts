@@ -2,8 +2,9 @@
 import {
   BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, MeshStandardMaterial, Raycaster, Vector3,
 } from 'three';
+import { isSurface } from '../surface';
 import type { SceneMessage, Shape, Surface } from '../types';
-import { SurfaceMesh } from './surface_mesh';
+import { Body, type Parts } from './body';
 
 interface Part {
   shape: Shape;
@@ -11,9 +12,10 @@ interface Part {
   mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
 }
 
-interface Body {
-  group: Group; // at the object's pose
-  surface: SurfaceMesh | null; // instead of its parts
+// Surfaces as a recording has them; those that are missing were as they are loaded.
+export interface Replayed {
+  scene: number;
+  surfaces: readonly Surface[];
 }
 
 export class SceneParts {
@@ -21,6 +23,7 @@ export class SceneParts {
   private scene: SceneMessage | null = null;
   private readonly parts = new Map<number, Part>();
   private readonly bodies = new Map<number, Body>();
+  private replayed: Replayed | null = null; // null: what is live is drawn
   private readonly plain = new MeshStandardMaterial({ color: '#b8bfc8', roughness: 0.6, side: DoubleSide });
 
   // `hidden`: which parts are not drawn, by their vertices; only asked for those that cannot be touched.
@@ -29,14 +32,35 @@ export class SceneParts {
   setScene(scene: SceneMessage): void {
     if (scene.number !== this.scene?.number) this.clear();
     this.scene = scene;
+    this.setReplay(this.replayed);
+  }
+
+  // Surfaces of another scene are never drawn on the parts of this one: then nothing is. null: live again. False: that
+  // is drawn already.
+  setReplay(replayed: Replayed | null): boolean {
+    const visible = replayed === null || replayed.scene === this.number;
+    let differs = this.group.visible !== visible || (replayed === null) !== (this.replayed === null);
+    this.replayed = replayed;
+    this.group.visible = visible;
+    if (replayed === null) {
+      for (const body of this.bodies.values()) body.endReplay();
+    } else if (visible) {
+      const then = new Map(replayed.surfaces.map((surface) => [surface.object, surface]));
+      for (const object of new Set([...this.bodies.keys(), ...then.keys()])) {
+        const changes = this.body(object).replay(then.get(object) ?? null, () => this.partsOf(object));
+        differs ||= changes;
+      }
+    }
+    return differs;
   }
 
   get number(): number {
     return this.scene?.number ?? -1;
   }
 
-  // What an object is called: the name of its first part.
+  // What an object is called: the name of its first part; "": not known.
   name(object: number): string {
+    if (!this.group.visible) return '';
     return this.scene?.parts.find((part) => part.object === object)?.name ?? '';
   }
 
@@ -55,33 +79,21 @@ export class SceneParts {
     }
     const body = this.body(about.object);
     body.group.add(mesh);
-    if (body.surface !== null) {
-      body.surface.setParts(...this.partsOf(about.object));
-      this.showParts(about.object, body);
-    }
+    body.setParts(this.partsOf(about.object));
+    this.showParts(about.object, body);
     return true;
   }
 
   setSurface(surface: Surface): boolean {
-    if (surface.scene !== this.number) return false;
-    const body = this.body(surface.object);
-    const [w, x, y, z] = surface.rotation;
-    body.group.quaternion.set(x, y, z, w).normalize();
-    body.group.position.set(...surface.translation);
-    if (surface.positions !== null) {
-      if (body.surface === null) {
-        body.surface = new SurfaceMesh(...this.partsOf(surface.object), this.plain);
-        body.group.add(body.surface.mesh);
-      }
-      body.surface.set(surface.positions, surface.triangles);
-    }
-    return true;
+    if (surface.scene !== this.number || !isSurface(surface)) return false;
+    this.body(surface.object).set(surface, () => this.partsOf(surface.object));
+    return this.replayed === null; // else it is not seen
   }
 
   // Before drawing.
   update(): void {
     for (const [object, body] of this.bodies) {
-      body.surface?.update();
+      body.update();
       this.showParts(object, body);
     }
   }
@@ -102,20 +114,21 @@ export class SceneParts {
   private body(object: number): Body {
     let body = this.bodies.get(object);
     if (body === undefined) {
-      body = { group: new Group(), surface: null };
+      body = new Body(this.plain);
+      if (this.replayed?.scene === this.number) body.replay(null, () => this.partsOf(object));
       this.bodies.set(object, body);
       this.group.add(body.group);
     }
     return body;
   }
 
-  private partsOf(object: number): [Shape[], MeshStandardMaterial[]] {
+  private partsOf(object: number): Parts {
     const parts = [...this.parts.values()].filter((part) => part.object === object);
     return [parts.map((part) => part.shape), parts.map((part) => part.mesh.material)];
   }
 
   private showParts(object: number, body: Body): void {
-    const visible = !(body.surface?.mesh.visible ?? false);
+    const visible = body.mesh === null;
     for (const part of this.parts.values()) if (part.object === object) part.mesh.visible = visible;
   }
 
@@ -130,7 +143,7 @@ export class SceneParts {
 
   private clear(): void {
     for (const index of [...this.parts.keys()]) this.drop(index);
-    for (const body of this.bodies.values()) body.surface?.dispose();
+    for (const body of this.bodies.values()) body.dispose();
     this.bodies.clear();
     this.group.clear();
   }

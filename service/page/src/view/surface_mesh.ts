@@ -2,6 +2,7 @@
 import {
   BufferAttribute, BufferGeometry, DynamicDrawUsage, Mesh, MeshStandardMaterial, Sphere, Vector3, type Material,
 } from 'three';
+import { fit } from '../surface';
 import type { Shape } from '../types';
 import { splitAtCreases, vertexNormals, type Split } from './creases';
 import { paintFromBefore, paintFromShapes, type Paint, type Painted } from './paint';
@@ -51,9 +52,8 @@ export class SurfaceMesh {
     const before = this.surface?.triangles ?? null;
     if (triangles === null && before === null) return; // the beginning was missed: there is nothing to draw yet
     const next = { positions, triangles: triangles ?? before! };
-    const vertices = positions.length / 3;
     const rewired = triangles !== null || positions.length !== this.surface?.positions.length;
-    if (rewired && next.triangles.some((v) => v >= vertices)) return; // does not belong together
+    if (rewired && !fit(positions, next.triangles)) return; // does not belong together
     this.rewired ||= rewired;
     this.surface = next;
     this.changed = true;

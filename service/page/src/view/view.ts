@@ -8,7 +8,7 @@ import { Orbit, type CameraName } from './orbit';
 import { kDark, kLight } from './palette';
 import { kPenLength } from './pen';
 import { emptyPicture, PictureChanges, PictureReader } from './picture';
-import { SceneParts } from './scene_parts';
+import { SceneParts, type Replayed } from './scene_parts';
 
 const kReach = 26; // pixels around pen and ghost in which the pointer takes hold
 const kTrailStep = 8; // of the samples of a Live message, one is a point of the trail
@@ -73,6 +73,11 @@ export class View {
 
   setSurface(surface: Surface): void {
     if (this.parts.setSurface(surface)) this.invalidate();
+  }
+
+  // Surfaces as a recording has them, while what is live goes on unseen; null: live again.
+  setReplay(replayed: Replayed | null): void {
+    if (this.parts.setReplay(replayed)) this.invalidate();
   }
 
   setLive(live: Live): void {
