@@ -50,7 +50,8 @@ bool IsPositional(const OptionText& option) { return option.names.empty(); }
 // Numbers cannot be listed, and everything else may be a file.
 bool MayBeFile(const OptionText& option) {
   if (!option.choices.empty()) return false;
-  return std::none_of(std::begin({"INT", "UINT", "FLOAT"}), std::end({"INT", "UINT", "FLOAT"}),
+  constexpr std::string_view kNumbers[] = {"INT", "UINT", "FLOAT"};
+  return std::none_of(std::begin(kNumbers), std::end(kNumbers),
                       [&](std::string_view kind) { return option.value.starts_with(kind); });
 }
 

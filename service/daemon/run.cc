@@ -87,6 +87,7 @@ int RunChecked(RunOptions options, std::optional<ipc::InheritedSocket> inherited
   PublishSink sink(**publisher);
   config::AppTable apps = config::LoadAppTable(config::AppFolders(), config::ScenesFolder());
   config::InputPlan inputs = config::PlanInputs(config::UserInputsFile(), apps);
+  const std::string hand = options.hand == "auto" ? inputs.hand : options.hand;
   Service service(
       {.version = OMNI_VERSION,
        .instance = instance,
@@ -94,7 +95,7 @@ int RunChecked(RunOptions options, std::optional<ipc::InheritedSocket> inherited
        .inputs = std::move(inputs),
        .hull_radius_m = device.hull_radius_m,
        .cache_folder = config::CacheFolder(),
-       .hand = options.hand,
+       .hand = hand,
        .alignment_path = options.alignment_path.empty() ? config::UserAlignmentFile() : options.alignment_path,
        .on_aligned = [&sink](bool aligned) { sink.SetAligned(aligned); }});
   auto server = ipc::Server::Open({.socket_path = options.socket_path,

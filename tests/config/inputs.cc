@@ -30,6 +30,14 @@ void ExpectWords(const std::string& error, std::initializer_list<const char*> wo
   for (const char* word : words) EXPECT_NE(error.find(word), std::string::npos) << word << " not in: " << error;
 }
 
+TEST(InputSettings, HandIsReadAndChecked) {
+  EXPECT_EQ(ParseInputSettings("", "inputs.toml")->hand, "auto");
+  EXPECT_EQ(ParseInputSettings("hand = \"left\"\n", "inputs.toml")->hand, "left");
+  const auto wrong = ParseInputSettings("hand = \"both\"\n", "inputs.toml");
+  ASSERT_FALSE(wrong.ok());
+  EXPECT_NE(wrong.error().find("inputs.toml:1"), std::string::npos) << wrong.error();
+}
+
 TEST(ConfigInputs, OmittedKeysKeepTheirDefaults) {
   const auto entry = ParseAppFile(App("secondary = [\"double_tap\", \"key:KEY_B\"]\npress_N = 0.3\n"), "f", "/s");
   ASSERT_TRUE(entry.ok()) << entry.error();

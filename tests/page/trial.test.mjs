@@ -43,8 +43,7 @@ scenario('clay is pressed, taken hold of and pulled', async () => {
   await visitor.until('scene-state', (text) => /extrusion.*ready/.test(text), 'the scene is ready');
   await visitor.until('strokes', (text) => text === '0 strokes', 'the clay is as it came');
   visitor.highest = 0.056;
-  await visitor.pressOn('block', 0.5); // so it takes hold within 0.2 s; of a pen that rests for 1.2 s it lets go
-  await visitor.page.waitForTimeout(200);
+  await visitor.pressOn('block', { held: true }); // of a pen that rests for 1.2 s it lets go
   for (let i = 0; i < 10; ++i) {
     await visitor.lower(-3);
     await visitor.page.waitForTimeout(30);
@@ -60,7 +59,7 @@ scenario('the dragon is dented', async () => {
   await visitor.page.getByTestId('scene-dragon').click();
   await visitor.until('scene-state', (text) => /dragon.*ready/.test(text), 'the scene is ready');
   await visitor.until('soft-body', (text) => !/comput/.test(text), 'its soft body is ready', 120);
-  await visitor.pressOn('dragon', 0.5);
+  await visitor.pressOn('dragon', { force_N: 0.5 });
   await visitor.untilNumber('dent', (dent) => dent > 0.3, 'the dragon gives way', 5);
   await visitor.release();
 });

@@ -23,7 +23,6 @@ constexpr Range kForceScale{0, 1};
 constexpr Range kRestAfter_s{-1, 86400};
 constexpr std::size_t kMaxProfileBytes = 127;
 constexpr std::string_view kProfilePrefix = "/interaction_profiles/";
-constexpr std::string_view kHands[] = {"auto", "left", "right"};
 constexpr std::string_view kPlacements[] = {"as_authored", "fit"};
 constexpr std::string_view kTouches[] = {"tagged", "all"};
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "service/base/result.h"
@@ -13,6 +14,8 @@
 #include "service/config/inputs/input_table.h"
 
 namespace omni::config {
+
+inline constexpr std::string_view kHands[] = {"auto", "left", "right"};  // that holds the pen
 
 inline constexpr std::size_t kMaxAppFiles = 256;  // of one folder; further ones are skipped, with a problem
 

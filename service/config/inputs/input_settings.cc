@@ -46,6 +46,7 @@ base::Result<InputSettings> ParseInputSettings(const std::string& text, const st
   FileProblem problem(file);
   TableReader root(problem, *parsed, "");
   InputSettings settings;
+  settings.hand = root.Choice("hand", kHands, "auto");
   if (parsed->contains("devices")) {
     std::size_t i = 0;
     for (const toml::table* table : root.Tables("devices", 1, kMaxKeyDevices)) {
@@ -73,6 +74,7 @@ InputPlan PlanInputs(const std::string& file, AppTable& apps) {
     base::Result<InputSettings> settings = text.ok() ? ParseInputSettings(*text, file) : base::Error{text.error()};
     if (settings.ok()) {
       plan.file = file;
+      plan.hand = settings->hand;
       plan.devices = std::move(settings->devices);
       if (settings->inputs) plan.fallback = std::move(*settings->inputs);
     } else {

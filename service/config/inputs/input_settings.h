@@ -22,6 +22,7 @@ struct KeyDeviceRule {
 };
 
 struct InputSettings {
+  std::string hand = "auto";  // "left", "right": that holds the pen, of applications whose file names none
   std::vector<KeyDeviceRule> devices;
   std::optional<InputTable> inputs;
 };
@@ -30,6 +31,7 @@ base::Result<InputSettings> ParseInputSettings(const std::string& text, const st
 
 // All input settings of omnid.
 struct InputPlan {
+  std::string hand = "auto";  // as InputSettings::hand
   std::vector<KeyDeviceRule> devices;
   InputTable fallback;               // of applications without their own; keys as below
   std::vector<std::uint16_t> slots;  // evdev code of key source i, for all mappings

@@ -34,6 +34,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   try {
     console::Program omni("omni", kOmniAbout, OMNI_VERSION);
     AddCommands(omni);
+    AddRehearseController(omni);
     AddMoved(omni, "bench", "omni-bench");
     AddMoved(omni, "paper", "omni-bench paper");
     return omni.Parse(argc, argv).value_or(kExitOk);

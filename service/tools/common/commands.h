@@ -7,6 +7,7 @@
 #include "service/console/command.h"
 
 #define OMNI_COMMANDS(COMMAND)                                  \
+  COMMAND(Setup)                                                \
   COMMAND(Try)                                                  \
   COMMAND(Status)                                               \
   COMMAND(Watch)                                                \
@@ -37,7 +38,8 @@ OMNI_COMMANDS(OMNI_DECLARE)
 // --socket of a command that is a client of omnid.
 void AddSocket(Command& command, std::string& socket);
 
-void AddSceneEdits(Command& scene);  // omni scene edits, undo, redo, save
-void AddTwinHand(Command& twin);     // omni twin hand
+void AddSceneEdits(Command& scene);        // omni scene edits, undo, redo, save
+void AddTwinHand(Command& twin);           // omni twin hand
+void AddRehearseController(Command& app);  // what `omni setup --rehearse` aligns with; hidden
 
 }  // namespace omni::tools

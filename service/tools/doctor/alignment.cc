@@ -18,7 +18,8 @@ Finding CheckAlignment(const Surroundings& surroundings) {
   }
   return {Verdict::kWarn, "not aligned: the base is assumed to be in front of you",
           "run omni align; until then place the base about 45 cm in front of you and 35 cm below your eyes, and "
-          "recentre the headset"};
+          "recentre the headset",
+          "omni align"};
 }
 
 }  // namespace omni::tools

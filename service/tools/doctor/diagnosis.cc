@@ -6,6 +6,7 @@
 
 #include "service/client/connection.h"
 #include "service/config/paths.h"
+#include "service/protocol/socket_path.h"
 #include "service/tools/common/service_link.h"
 #include "service/tools/doctor/openxr_loader.h"
 
@@ -34,6 +35,11 @@ constexpr DiagnosisEntry kDiagnoses[] = {
     {"alignment", CheckAlignment},
 };
 
+bool StartsOnDemand(const std::string& socket_path) {
+  return protocol::PathProblem(socket_path).empty() &&
+         protocol::FindService(socket_path) == protocol::ServiceState::kOnDemand;
+}
+
 }  // namespace
 
 std::span<const DiagnosisEntry> Diagnoses() { return kDiagnoses; }
@@ -58,9 +64,10 @@ Surroundings SurroundingsOfThisProcess(const std::string& socket_path) {
   surroundings.loader = QueryLoader();
   base::Result<nlohmann::json> status = FetchStatus(socket_path);
   if (status.ok()) {
-    surroundings.service = {.running = true, .error = {}, .status = std::move(*status)};
+    surroundings.service = {.running = true, .on_demand = false, .error = {}, .status = std::move(*status)};
   } else {
-    surroundings.service = {.running = false, .error = status.error(), .status = {}};
+    surroundings.service = {
+        .running = false, .on_demand = StartsOnDemand(surroundings.socket_path), .error = status.error(), .status = {}};
   }
   return surroundings;
 }

@@ -18,14 +18,16 @@ enum class Verdict { kOk, kWarn, kFail };  // warn: works, but not as well as it
 struct Finding {
   Verdict verdict = Verdict::kOk;
   std::string what;
-  std::string fix;  // empty when ok
+  std::string fix;    // empty when ok
+  std::string apply;  // a command that `omni doctor --fix` can run for it; empty: a person has to
 };
 
 // The service's status, requested once for all diagnoses.
 struct ServiceAnswer {  // NOLINT(bugprone-exception-escape): says so of json's constructor, which is noexcept
   bool running = false;
-  std::string error;      // when not running
-  nlohmann::json status;  // when running
+  bool on_demand = false;  // systemd starts it with the first application
+  std::string error;       // when not running
+  nlohmann::json status;   // when running
 };
 
 // The layers that the OpenXR loader of this machine lists.

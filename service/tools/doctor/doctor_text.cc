@@ -40,7 +40,8 @@ nlohmann::json DoctorJson(const std::vector<Diagnosed>& findings, const nlohmann
     rows.push_back({{"name", row.name},
                     {"verdict", WordFor(row.finding.verdict)},
                     {"what", row.finding.what},
-                    {"fix", row.finding.fix}});
+                    {"fix", row.finding.fix},
+                    {"apply", row.finding.apply}});
   }
   nlohmann::json document = {{"ok", !AnyFailed(findings)}, {"diagnoses", rows}};
   if (status.contains("SIMULATION")) document["SIMULATION"] = status["SIMULATION"];

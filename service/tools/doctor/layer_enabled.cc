@@ -19,7 +19,8 @@ Finding CheckEnabledLayers(const Surroundings& surroundings) {
     }
   }
   return {Verdict::kWarn, "the layer is not enabled: only applications that ask for it by name get it",
-          std::string("export XR_ENABLE_API_LAYERS=") + kLayerName + ", or for all applications: omni layer enable"};
+          std::string("export XR_ENABLE_API_LAYERS=") + kLayerName + ", or for all applications: omni layer enable",
+          "omni layer enable"};
 }
 
 }  // namespace omni::tools

@@ -6,8 +6,10 @@ namespace omni::tools {
 
 Finding LookForService(const Surroundings& surroundings) {
   const ServiceAnswer& service = surroundings.service;
+  if (service.on_demand) return {Verdict::kOk, "omnid does not run; systemd starts it with the first application", {}};
   if (!service.running) {
-    return {Verdict::kFail, service.error, "run `omnid --device twin`, or `systemctl --user enable --now omnid`"};
+    return {Verdict::kFail, service.error, "run `omnid --device twin`, or `systemctl --user enable --now omnid.socket`",
+            "systemctl --user enable --now omnid.socket"};
   }
   const std::string version = TextAt(service.status, "/service/version");
   if (version != OMNI_VERSION) {

@@ -7,6 +7,7 @@ import { join } from 'node:path';
 import { build, chromiumPath, fromTests, load } from './setup.mjs';
 import { steer } from './track.mjs';
 
+const kViewHeight = 334; // pixels, of which one is .8 mm for the front camera
 const kStick_m = 0.013; // from the middle to full deflection, nearly
 
 // A program that prints "open ADDRESS". `cache`: a folder that may be shared, for soft bodies that take long to compute.
@@ -136,20 +137,31 @@ export class Visitor {
     await this.until('tracked', (text) => /is tracked/.test(text), 'the pen is there');
   }
 
-  // Straight down: the front camera looks down by 22 degrees, so the wheel pushes as far as the drag comes nearer.
-  async lower(pixels) {
-    await this.drag(0, pixels, 1);
-    await this.page.mouse.wheel(0, -7.5 * pixels);
+  // Straight down, by .8 mm a step: the front camera looks down by 22 degrees, so the wheel pushes as far as the drag
+  // comes nearer.
+  async lower(steps) {
+    const { height } = await this.canvas.boundingBox();
+    await this.drag(0, (steps * height) / kViewHeight, 1);
+    await this.page.mouse.wheel(0, -7.5 * steps);
   }
 
-  // Lowers the pen until it presses on something.
-  async pressOn(name, force_N) {
+  // Waits until the page has drawn twice, however slowly it draws: its texts are of now.
+  drawn() {
+    return this.page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  }
+
+  // Brings the pen and lowers it until it presses on something, or holds it. `seen`: called after each step.
+  async pressOn(name, { force_N = Infinity, held = false, seen = async () => {} }) {
     await this.bringPen('Front');
     for (let i = 0; i < 60; ++i) {
-      const touched = (await this.text('touching')).includes(name);
+      const touching = await this.text('touching');
+      const touched = touching.includes(name);
       if (touched && (await this.number('force')) > force_N) return;
+      if (held && /held/.test(touching)) return;
       await this.lower(touched ? 2 : 4);
       await this.page.waitForTimeout(100);
+      await this.drawn();
+      await seen();
     }
     throw new Error(`${name} is not pressed: "${await this.text('touching')}", force ${await this.text('force')}`);
   }
