@@ -107,7 +107,7 @@ export class SurfaceTracks {
     for (const track of this.all) track.rest();
   }
 
-  // Only its newest state, to be kept anew.
+  // Only its newest state, to be kept again.
   restarted(): SurfaceTracks {
     const tracks = new SurfaceTracks(this.scene, this.object);
     const pose = this.news?.pose ?? this.pose.newest;

@@ -43,7 +43,7 @@ export class Body {
   replay(surface: Surface | null, parts: () => Parts): boolean {
     if (this.replays && surface === this.then) return false;
     if (surface !== null && surface.positions !== null) {
-      // Without this, an unchanged mesh would be wired anew for every state.
+      // Without this, an unchanged mesh would be wired again for every state.
       const rewired = surface.triangles !== this.then?.triangles || this.replayed === null;
       this.replayed ??= new SurfaceMesh(...parts(), this.plain);
       this.replayed.set(surface.positions, rewired ? surface.triangles : null);
