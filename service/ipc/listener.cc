@@ -101,6 +101,11 @@ Result<UniqueFd> Bind(const std::string& path) {
 Result<Listener> Listener::Open(const std::string& socket_path) {
   auto lock = PrepareAndLock(socket_path);
   if (!lock) return Error{lock.error()};
+  // No omnid, for we have the lock.
+  if (protocol::IsListenedOn(socket_path)) {
+    return Error{"systemd, or another program, listens on " + socket_path +
+                 "; run `systemctl --user start omnid`, or set OMNI_SOCKET to another path"};
+  }
   if (auto removed = RemoveStaleSocket(socket_path); !removed) return Error{removed.error()};
   auto socket = Bind(socket_path);
   if (!socket) return Error{socket.error()};

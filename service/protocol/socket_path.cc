@@ -32,16 +32,6 @@ bool IsLocked(const std::string& path) {
   return file && ::fcntl(file.get(), F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
 }
 
-// A row of /proc/net/unix ends with "FLAGS TYPE STATE INODE PATH"; the flag 0x10000 is of a socket that accepts.
-bool IsListenedOn(const std::string& path) {
-  std::ifstream rows("/proc/net/unix");
-  for (std::string row; std::getline(rows, row);) {
-    const bool names_it = row.size() > path.size() && row.ends_with(path) && row[row.size() - path.size() - 1] == ' ';
-    if (names_it && row.find(" 00010000 ") != std::string::npos) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 std::string DefaultSocketPath() {
@@ -105,6 +95,17 @@ std::string LockPathOf(const std::string& socket_path) {
 bool LockSocket(int lock_fd) noexcept {
   struct flock lock = WholeFile();
   return ::fcntl(lock_fd, F_OFD_SETLK, &lock) == 0;
+}
+
+// A row of /proc/net/unix ends with "FLAGS TYPE STATE INODE PATH"; the flag 0x10000 is of a socket that accepts.
+bool IsListenedOn(const std::string& socket_path) {
+  std::ifstream rows("/proc/net/unix");
+  for (std::string row; std::getline(rows, row);) {
+    const bool names_it = row.size() > socket_path.size() && row.ends_with(socket_path) &&
+                          row[row.size() - socket_path.size() - 1] == ' ';
+    if (names_it && row.find(" 00010000 ") != std::string::npos) return true;
+  }
+  return false;
 }
 
 ServiceState FindService(const std::string& socket_path) {

@@ -33,6 +33,9 @@ std::string LockPathOf(const std::string& socket_path);
 // A lock of the open file description (fcntl F_OFD_SETLK) on that file. False, errno EAGAIN: another omnid has it.
 bool LockSocket(int lock_fd) noexcept;
 
+// Whether a process listens on this socket.
+bool IsListenedOn(const std::string& socket_path);
+
 // kOnDemand: systemd listens on the socket, and a connection would start omnid.
 enum class ServiceState { kAbsent, kOnDemand, kRuns };
 // Without connecting. Precondition: PathProblem is empty.

@@ -54,6 +54,8 @@ TEST(Listener, AdoptedSocketStaysWhereItIs) {
   EXPECT_EQ(protocol::FindService(path), protocol::ServiceState::kAbsent);
   ASSERT_EQ(::listen(socket.get(), 1), 0);
   EXPECT_EQ(protocol::FindService(path), protocol::ServiceState::kOnDemand);
+  EXPECT_NE(ErrorOf(path).find("systemctl --user start omnid"), std::string::npos) << "it is not taken from systemd";
+  EXPECT_EQ(::access(path.c_str(), F_OK), 0);
   {
     const auto adopted = Listener::Adopt(base::UniqueFd(::dup(socket.get())), path);
     ASSERT_TRUE(adopted) << adopted.error();

@@ -18,7 +18,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/base/clock.h"
+#include "service/client/connection.h"
 #include "service/config/paths.h"
+#include "service/protocol/socket_path.h"
 #include "service/tools/common/json_text.h"
 #include "service/tools/common/service_link.h"
 
@@ -33,6 +36,15 @@ constexpr int kServicePauses = 200;  // until omnid has its device
 std::string Trimmed(std::string text) {
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0) text.pop_back();
   return text;
+}
+
+// systemd starts omnid for an application; it stays for a minute after this.
+void Wake(const std::string& socket_path) {
+  client::Connection application({.application = "omni setup", .engine = "", .socket_path = socket_path});
+  for (int i = 0; i < kServicePauses && !application.connected(); ++i) {
+    application.Poll(base::MonotonicNow_ns());
+    std::this_thread::sleep_for(kServicePause);
+  }
 }
 
 }  // namespace
@@ -146,6 +158,9 @@ base::Result<SetupChild> SetupRun::OmniBehind(const std::vector<std::string>& wo
 }
 
 base::Status SetupRun::NeedService() {
+  if (protocol::FindService(client::DefaultSocketPath()) == protocol::ServiceState::kOnDemand) {
+    Wake(client::DefaultSocketPath());
+  }
   base::Result<nlohmann::json> status = FetchStatus("");
   if (!status.ok() && (!service_ || service_->Poll())) {
     std::vector<std::string> words{"--device", device(), "--log-level", "warn"};

@@ -67,18 +67,12 @@ constexpr Component kIndex[] = {
 };
 
 constexpr Component kVive[] = {
-    {"input/system/click", kBool, kBoth, "System"},
-    {"input/menu/click", kBool, kBoth, "Menu"},
-    {"input/squeeze/click", kBool, kBoth, "Squeeze"},
-    {"input/trigger/click", kBool, kBoth, "Trigger"},
-    {"input/trigger/value", kFloat, kBoth, "Trigger"},
-    {"input/trackpad", kVector2, kBoth, "Trackpad"},
-    {"input/trackpad/x", kVectorX, kBoth, "Trackpad"},
-    {"input/trackpad/y", kVectorY, kBoth, "Trackpad"},
-    {"input/trackpad/click", kBool, kBoth, "Trackpad"},
-    {"input/trackpad/touch", kBool, kBoth, "Trackpad"},
-    {"input/grip/pose", kPose, kBoth, "Grip"},
-    {"input/aim/pose", kPose, kBoth, "Aim"},
+    {"input/system/click", kBool, kBoth, "System"},     {"input/menu/click", kBool, kBoth, "Menu"},
+    {"input/squeeze/click", kBool, kBoth, "Squeeze"},   {"input/trigger/click", kBool, kBoth, "Trigger"},
+    {"input/trigger/value", kFloat, kBoth, "Trigger"},  {"input/trackpad", kVector2, kBoth, "Trackpad"},
+    {"input/trackpad/x", kVectorX, kBoth, "Trackpad"},  {"input/trackpad/y", kVectorY, kBoth, "Trackpad"},
+    {"input/trackpad/click", kBool, kBoth, "Trackpad"}, {"input/trackpad/touch", kBool, kBoth, "Trackpad"},
+    {"input/grip/pose", kPose, kBoth, "Grip"},          {"input/aim/pose", kPose, kBoth, "Aim"},
     {"output/haptic", kHaptic, kBoth, "Haptics"},
 };
 
