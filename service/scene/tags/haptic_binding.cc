@@ -48,7 +48,7 @@ const HapticTag& Binding::MpegMaterial(const char* extension, const Json& user, 
   const Json* mpeg = Extension(root_, "", extension);
   const Json* materials = mpeg ? FindArray(*mpeg, place, "materials") : nullptr;
   const auto index = Index(user, pointer, key, materials ? materials->elements().size() : 0);
-  if (!index) throw LoadError(Join(pointer, key), "is missing");
+  if (!index || materials == nullptr) throw LoadError(Join(pointer, key), "is missing");
   const std::string material = Join(Join(place, "materials"), *index);
   return Cached(material, [&] {
     const Json& json = materials->elements()[*index];
