@@ -11,7 +11,6 @@
 #include "service/device/usb/usb_bus.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/text_output.h"
-#include "service/tools/doctor/diagnosis.h"
 #include "service/tools/setup/feel.h"
 
 namespace omni::tools {
@@ -22,7 +21,7 @@ using enum StepOutcome::Kind;
 
 constexpr double kPatience_s = 90;
 constexpr double kFelt_N = 0.2;
-constexpr std::string_view kOurs = "# Written by omni setup.\n";
+constexpr std::string_view kOurs = "# Written by omni setup.";  // the first line of inputs.toml
 
 StepOutcome Done(std::string text) { return {kDone, std::move(text)}; }
 StepOutcome Skipped(std::string text) { return {kSkipped, std::move(text)}; }
@@ -31,6 +30,16 @@ StepOutcome Failed(std::string text) { return {kFailed, std::move(text)}; }
 bool Exists(const std::string& path) {
   std::error_code error;
   return !path.empty() && fs::exists(path, error);
+}
+
+enum class Inputs { kNone, kOfSetup, kOfTheUser };
+
+// Whose inputs.toml it is; an empty one is as good as none.
+Inputs WhoseInputs(const std::string& path) {
+  std::ifstream in(path);
+  std::string first;
+  if (!std::getline(in, first)) return Inputs::kNone;
+  return first == kOurs ? Inputs::kOfSetup : Inputs::kOfTheUser;
 }
 
 // Of a command that prints itself what is wrong and what to do.
@@ -125,12 +134,10 @@ StepOutcome SetInputs(SetupRun& run) {
   if (!felt.ok()) return Failed(felt.error());
   const double full_N = std::clamp(0.8 * felt->largest_force_N, 0.3, 1.5);
   const std::string text =
-      std::string(kOurs) + "hand = \"" + hand + "\"\n\n[inputs]\ntip_force_full_N = " + Printed("%.2f", full_N) +
+      std::string(kOurs) + "\nhand = \"" + hand + "\"\n\n[inputs]\ntip_force_full_N = " + Printed("%.2f", full_N) +
       "   # of the tip's pressure 1; you pressed with " + Printed("%.2f", felt->largest_force_N) + " N\n";
   const std::string path = config::UserInputsFile();
-  std::ifstream there(path);
-  std::string first;
-  if (std::getline(there, first) && first + "\n" != kOurs) {
+  if (WhoseInputs(path) == Inputs::kOfTheUser) {
     return Skipped(path + " is yours and stays as it is. These lines would go into it:\n" + text);
   }
   const base::Status written = base::WriteWholeFile(path, text, {.make_folder = true});
@@ -142,10 +149,9 @@ StepOutcome SetInputs(SetupRun& run) {
 
 StepOutcome UndoInputs(SetupRun& /*run*/) {
   const std::string path = config::UserInputsFile();
-  std::ifstream there(path);
-  std::string first;
-  if (!std::getline(there, first)) return Skipped("there is no " + path);
-  if (first + "\n" != kOurs) return Failed(path + " is not of omni setup; edit it yourself");
+  const Inputs whose = WhoseInputs(path);
+  if (whose == Inputs::kNone) return Skipped("there is no " + path);
+  if (whose == Inputs::kOfTheUser) return Failed(path + " is not of omni setup; edit it yourself");
   std::error_code error;
   fs::remove(path, error);
   return error ? Failed(path + ": " + error.message()) : Done("removed " + path);
