@@ -47,12 +47,6 @@ void FormatHelp(CLI::App& app, const std::shared_ptr<HelpFormatter>& formatter) 
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) FormatHelp(*command, formatter);
 }
 
-std::string Listed(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 std::vector<std::string> CommandsOf(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
@@ -79,7 +73,7 @@ std::string ProblemWith(const CLI::App& app, const std::string& path, const std:
   const std::vector<std::string> commands = CommandsOf(app);
   if (commands.empty()) return "'" + word + "' is a word too many; see " + help;
   const std::string nearest = base::DidYouMean(word, commands);
-  return "there is no command '" + word + "'" + (nearest.empty() ? "; there are " + Listed(commands) : nearest);
+  return "there is no command '" + word + "'" + (nearest.empty() ? "; there are " + Joined(commands, ", ") : nearest);
 }
 
 // What is wrong, in the words of the command that was reached.
@@ -96,7 +90,7 @@ std::string Problem(const CLI::App& root, const CLI::ParseError& error) {
     path += " " + app->get_name();
   }
   const bool no_command = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && !CommandsOf(*app).empty();
-  if (no_command) return path + ": a command is missing; there are " + Listed(CommandsOf(*app));
+  if (no_command) return path + ": a command is missing; there are " + Joined(CommandsOf(*app), ", ");
   std::string what = error.what();
   if (what.size() > 1 && std::islower(static_cast<unsigned char>(what[1])) != 0) {
     what[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(what[0])));
@@ -164,7 +158,7 @@ Option Option::Range(double min, double max) { return Option(option_->check(CLI:
 Option Option::Positive() { return Option(option_->check(CLI::PositiveNumber)); }
 
 Option Option::OneOf(std::vector<std::string> words) {
-  const std::string listed = Listed(words);
+  const std::string listed = Joined(words, ", ");
   return Check("{" + listed + "}", [words = std::move(words), listed](const std::string& value) {
     if (std::find(words.begin(), words.end(), value) != words.end()) return std::string();
     return "'" + value + "' is none of " + listed + base::DidYouMean(value, words);

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "service/console/wrap.h"
+
 namespace omni::console {
 namespace {
 
@@ -37,12 +39,6 @@ std::string ForScdoc(std::string_view text) {
 std::string Quoted(std::string text) {
   for (std::size_t at = text.find('\''); at != std::string::npos; at = text.find('\'', at)) text.replace(at, 1, "’");
   return "'" + text + "'";
-}
-
-std::string Joined(const std::vector<std::string>& words, const std::string& between) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
 }
 
 bool IsPositional(const OptionText& option) { return option.names.empty(); }

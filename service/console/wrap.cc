@@ -82,6 +82,12 @@ int TextColumns(int fd) {
   return columns == 0 ? 0 : std::max(columns, kLeastColumns);
 }
 
+std::string Joined(const std::vector<std::string>& words, const std::string& between) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
+  return text;
+}
+
 std::string Wrap(const std::string& text, int columns) {
   if (columns <= 0) return text;
   const auto width = static_cast<std::size_t>(columns);

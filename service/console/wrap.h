@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace omni::console {
 
@@ -16,6 +17,8 @@ TerminalSize SizeOfTerminal(int fd = 1);
 // How wide text on `fd` may be: $COLUMNS, else the terminal's columns; 0: as wide as it is, for `fd` is no terminal and
 // what reads it may count on its lines. Never below 20.
 int TextColumns(int fd);
+
+std::string Joined(const std::vector<std::string>& words, const std::string& between);
 
 // Breaks lines at spaces so that none is wider than `columns`, but for words that are wider themselves (paths). What
 // continues a line stands below its last column of text (two spaces before it make one) that begins in the left half.

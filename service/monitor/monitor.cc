@@ -19,6 +19,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::int64_t kStatusPeriod_ns = 500'000'000;
+constexpr std::int64_t kSetupPeriod_ns = 2'000'000'000;
 
 // How omnid has loaded its scene: /scene/load of its status.
 scene::LoadOptions OptionsOf(const json& load, double hull_radius_m) {
@@ -100,12 +101,16 @@ void Monitor::PollService(std::int64_t now_ns) {
     const std::string& why = connection_.last_error();
     status_text_ = StatusText(false, why.empty() ? "waiting for omnid" : why, nullptr, -1);
     SendAll(status_text_);
+    FollowSetup(now_ns, nullptr);
   }
   if (!was_connected_) return;
   if ((changed || now_ns >= next_status_ns_) && connection_.Send(protocol::StatusRequest{})) {
     next_status_ns_ = now_ns + kStatusPeriod_ns;
   }
-  if (const json status = base::ParseJsonOrNull(connection_.PopStatus()); status.is_object()) HandleStatus(status);
+  const json status = base::ParseJsonOrNull(connection_.PopStatus());
+  if (!status.is_object()) return;
+  HandleStatus(status);
+  FollowSetup(now_ns, status);
 }
 
 void Monitor::HandleStatus(const json& status) {
@@ -117,6 +122,16 @@ void Monitor::HandleStatus(const json& status) {
     edits_command_ = connection_.SendSceneCommand(protocol::SceneAction::kEdits, 0, "");
   }
   if (trial_ == nullptr) FollowOwner(status);
+}
+
+// Looks at files of the user and at USB, for pages only.
+void Monitor::FollowSetup(std::int64_t now_ns, const json& status) {
+  if (!options_.setup_steps || pages_.empty() || now_ns < next_setup_ns_) return;
+  next_setup_ns_ = now_ns + kSetupPeriod_ns;
+  std::string text = SetupText(options_.setup_steps(status));
+  if (text == setup_text_) return;
+  setup_text_ = std::move(text);
+  SendAll(setup_text_);
 }
 
 // The scene of the application that has the pen.
@@ -268,6 +283,7 @@ void Monitor::OnPage(PageId page) {
   pages_[page] = {.next_index = state == nullptr ? 0 : state->published()};
   Send(page, hello_text_);
   Send(page, status_text_);
+  if (!setup_text_.empty()) Send(page, setup_text_);
   pages_[page].scene_revision = shown().revision + 1;  // any other: it is sent
 }
 

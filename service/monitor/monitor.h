@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -34,6 +35,9 @@ struct MonitorOptions {
   PageHello hello;          // version, device, and for a trial: scenes, environment
   // Scenes of `hello` by name, for a trial.
   std::map<std::string, std::string> scene_paths;
+  // Steps that set a base up, one JSON object each (docs/protocol/page.md), for omnid's status (null: none). Called
+  // every two seconds. Empty: none are shown.
+  std::function<nlohmann::json(const nlohmann::json& status)> setup_steps;
 };
 
 class Monitor : private WebHandler {
@@ -73,6 +77,7 @@ class Monitor : private WebHandler {
   void PollService(std::int64_t now_ns);
   void HandleStatus(const nlohmann::json& status);
   void FollowOwner(const nlohmann::json& status);
+  void FollowSetup(std::int64_t now_ns, const nlohmann::json& status);
   const ShownScene& shown() const { return trial_ == nullptr ? owners_scene_ : trial_->scene(); }
   void HandleSceneAnswer();
   void SendCopy(const Save& save, const base::Result<std::string>& copy);
@@ -93,7 +98,8 @@ class Monitor : private WebHandler {
   std::map<PageId, Page> pages_;
   std::string hello_text_;
   std::string status_text_;
-  std::int64_t next_status_ns_ = 0, next_frame_ns_ = 0;
+  std::string setup_text_;  // empty: not known yet
+  std::int64_t next_status_ns_ = 0, next_setup_ns_ = 0, next_frame_ns_ = 0;
   bool was_connected_ = false;
   std::vector<std::shared_ptr<const std::string>> shapes_;  // messages, of shown()
   std::shared_ptr<const SceneView> shapes_of_;              // that they were made of

@@ -77,6 +77,21 @@ test('a page of omni monitor only looks, and stops', async () => {
   assert.equal(await monitor.stop(), 0);
 });
 
+test('a page of omni monitor shows the steps of omni setup', async () => {
+  const environment = { OMNI_SOCKET: program.log.match(/OMNI_SOCKET=(\S+)/)[1] };
+  const monitor = await Program.start(['monitor'], environment);
+  const visitor = await Visitor.open(browser, monitor.address);
+  await visitor.until('card-setup', (text) => /\d of 6 done/.test(text), 'it counts those that are done');
+  await visitor.page.getByTestId('card-setup').evaluate((card) => { card.open = true; });
+  await visitor.until('setup-steps', (text) => /omnid has the device .*, a simulation/.test(text), 'omnid has a device');
+  const listed = spawnSync(join(build, 'bin/omni'), ['setup', '--json'], { env: { ...process.env, ...environment } });
+  const titles = JSON.parse(listed.stdout).map(({ title }) => title);
+  assert.deepEqual(await visitor.page.locator('.setup-title').allTextContents(), titles);
+  assert.equal(titles.length, 8);
+  await visitor.close();
+  assert.equal(await monitor.stop(), 0);
+});
+
 test('a service that goes is named, and its page says so', async () => {
   const monitor = await Program.start(['monitor'], { OMNI_SOCKET: '/nowhere/omnid.sock' });
   const visitor = await Visitor.open(browser, monitor.address);

@@ -1,9 +1,14 @@
 // omni setup as a process: the rehearsal from nothing to a force, single steps, what is taken back, what fails.
 #include <gtest/gtest.h>
 
+#include <signal.h>
+
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -78,6 +83,53 @@ TEST(ProcessSetup, StepsAreListed) {
   const nlohmann::json steps = nlohmann::json::parse(json.text);
   ASSERT_EQ(steps.size(), 8U);
   for (const nlohmann::json& step : steps) ExpectSays(text, step["title"]);
+}
+
+// The state of a step is what the user's files show.
+TEST(ProcessSetup, ListSaysWhatIsDone) {
+  const Person person;
+  const auto state_of = [&](const char* name) {
+    const nlohmann::json steps = nlohmann::json::parse(person.Setup({"--json"}).text);
+    for (const nlohmann::json& step : steps) {
+      if (step["name"] == name) return step["state"].get<std::string>();
+    }
+    return std::string("no such step");
+  };
+  for (const char* name : {"device", "calibrate", "align", "inputs", "layer"}) EXPECT_EQ(state_of(name), "open");
+  EXPECT_EQ(state_of("scenes"), "unknown");
+  person.Write("home/config/omni/inputs.toml", "# Written by omni setup.\nhand = \"left\"\n");
+  EXPECT_EQ(state_of("inputs"), "done");
+  EXPECT_EQ(person.Setup({"--undo", "inputs"}).status, 0);
+  EXPECT_EQ(state_of("inputs"), "open");
+  EXPECT_EQ(person.Setup({"layer", "--yes"}).status, 0);
+  EXPECT_EQ(state_of("layer"), "done");
+  person.Write("home/config/omni/alignments.toml", "this is no TOML");
+  EXPECT_EQ(state_of("align"), "open");
+}
+
+// Its omnid, its simulated hand and their twin end with it, however it ends.
+TEST(ProcessSetup, NothingOutlivesAKilledSetup) {
+  const Person person;
+  const std::string log = person.Path("rehearsal");
+  const auto running = [&] {
+    int count = 0;
+    for (const fs::directory_entry& process : fs::directory_iterator("/proc")) {
+      std::ifstream in(process.path() / "environ");
+      const std::string environment(std::istreambuf_iterator<char>(in), {});
+      if (environment.find("HOME=" + person.Path("home")) != std::string::npos) ++count;
+    }
+    return count;
+  };
+  auto setup = ChildProcess::Start({OMNI_BINARY_DIR "/bin/omni", "setup", "scenes", "--rehearse", "--yes"},
+                                   {"HOME=" + person.Path("home"), "XDG_RUNTIME_DIR=" + person.Path("")}, log);
+  ASSERT_TRUE(setup.ok()) << setup.error();
+  const auto wait_for = [&](const std::function<bool()>& reached) {
+    for (int i = 0; i < 600 && !reached(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return reached();
+  };
+  ASSERT_TRUE(wait_for([&] { return running() >= 4; })) << "setup, omnid, omni-twin, hand; there are " << running();
+  ::kill(setup->pid(), SIGKILL);
+  EXPECT_TRUE(wait_for([&] { return running() == 0; })) << running() << " still run";
 }
 
 TEST(ProcessSetup, NoBaseIsNamedWithWhatToDo) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/support/process/program.h"
 
 namespace omni::test {
@@ -84,6 +86,43 @@ TEST(ExitStatus, MistypedWordsExit2AndSuggestNearest) {
     const Ran ran = RunProgram(words);
     EXPECT_EQ(ran.status, 2) << row.meant;
     EXPECT_NE(ran.err.find(std::string("did you mean ") + row.meant), std::string::npos) << ran.err;
+  }
+}
+
+// A script reads JSON from stdout whatever happens; the status and stderr say what did.
+TEST(Json, CommandsThatPrintFactsPrintJsonWithoutAServiceToo) {
+  const TempFolder folder;
+  const struct {
+    Words words;
+    int status;  // -1: depends on this machine
+  } rows[] = {{{"status"}, 3},
+              {{"surfaces"}, 3},
+              {{"scene", "edits"}, 3},
+              {{"align", "--show"}, 3},
+              {{"doctor"}, -1},
+              {{"setup"}, 0},
+              {{"layer", "status"}, 0},
+              {{"scene", "cache"}, 0},
+              {{"scene", "explain", "extrusion", "--no-cache"}, 0},
+              {{"scene", "explain", "/no/such/file"}, 1},
+              {{"replay", "/no/such/file"}, 1},
+              {{"twin", "run", "extrusion", "--ideal", "--seconds", "0.5"}, -1},
+              {{"device", "list"}, -1},
+              {{"device", "info", "no such serial"}, 1}};
+  for (const auto& row : rows) {
+    Words words = row.words;
+    words.insert(words.begin(), BinaryPath("omni"));
+    words.emplace_back("--json");
+    const Ran ran = RunProgram(words, {"OMNI_SOCKET=" + folder.Path("omnid.sock"), "HOME=" + folder.Path("home"),
+                                       "XDG_CACHE_HOME=" + folder.Path("cache")});
+    if (row.status >= 0) {
+      EXPECT_EQ(ran.status, row.status) << row.words.front() << ": " << ran.err;
+    }
+    const nlohmann::json document = nlohmann::json::parse(ran.out, nullptr, false);
+    EXPECT_TRUE(document.is_object() || document.is_array()) << row.words.front() << ": " << ran.out << ran.err;
+    if (row.status > 0) {
+      EXPECT_TRUE(document.is_object() && document.contains("error")) << ran.out;
+    }
   }
 }
 

@@ -44,16 +44,16 @@ TEST(ToolsDevice, ListShowsEveryBase) {
   bus.Add("A17", "1-1");
   FakeUsbBus::Entry& locked = bus.Add("B2", "1-2.3");
   locked.listed.problem = device::UsbPermissionHelp(locked.listed.node);
-  const Done done = Do([&](std::ostream& out) { return DeviceList(bus, out); });
+  const Done done = Do([&](std::ostream& out) { return DeviceList(bus, false, out); });
   EXPECT_EQ(done.status, kExitOk);
   ExpectHas(done.out, {"A17", "1-1", "480 Mbit/s", "1.2", "B2", "1-2.3", "70-omni.rules"});
 }
 
 TEST(ToolsDevice, EveryCommandFailsWithOneLineWithoutABase) {
   FakeUsbBus bus;
-  for (const Done& done : {Do([&](std::ostream& out) { return DeviceList(bus, out); }),
-                           Do([&](std::ostream& out) { return DeviceInfo(bus, "", out); }),
-                           Do([&](std::ostream& out) { return DeviceSelfTest(bus, "", Yes, out); }),
+  for (const Done& done : {Do([&](std::ostream& out) { return DeviceList(bus, false, out); }),
+                           Do([&](std::ostream& out) { return DeviceInfo(bus, "", false, out); }),
+                           Do([&](std::ostream& out) { return DeviceSelfTest(bus, "", Yes, false, out); }),
                            Do([&](std::ostream& out) { return DeviceEstop(bus, "", out); })}) {
     EXPECT_EQ(done.status, kExitFailed);
     EXPECT_EQ(std::count(done.err.begin(), done.err.end(), '\n'), 1) << done.err;
@@ -68,11 +68,43 @@ TEST(ToolsDevice, InfoShowsFaultsWithAdviceAndKeptFault) {
   entry.base.state = wire::State::kFault;
   entry.base.faults = wire::kFaultFan;
   entry.base.telemetry.temperature[1] = 4210;
-  const Done done = Do([&](std::ostream& out) { return DeviceInfo(bus, "", out); });
+  const Done done = Do([&](std::ostream& out) { return DeviceInfo(bus, "", false, out); });
   EXPECT_EQ(done.status, kExitOk) << done.err;
   ExpectHas(done.out, {"A17 at port 1-1", "1.2; speaks protocol 1 to 1", "15.00 A per coil", "42.1", "18.00 V",
                        wire::FaultName(wire::kFaultFan), wire::FaultAdvice(wire::kFaultFan),
                        "over temperature at coil 2, 71.5 C, in state armed, 12.346 s"});
+}
+
+TEST(ToolsDevice, JsonHasTheFactsOfTheText) {
+  FakeUsbBus bus(true);
+  FakeUsbBus::Entry& entry = bus.Add("A17");
+  entry.base.keeps_fault = true;
+  entry.base.state = wire::State::kFault;
+  entry.base.faults = wire::kFaultFan;
+  entry.base.telemetry.temperature[1] = 4210;
+  const auto list = nlohmann::json::parse(Do([&](std::ostream& out) { return DeviceList(bus, true, out); }).out);
+  ASSERT_EQ(list.size(), 1U);
+  EXPECT_EQ(list[0]["serial"], "A17");
+  EXPECT_TRUE(list[0]["problem"].is_null());
+  const auto info = nlohmann::json::parse(Do([&](std::ostream& out) { return DeviceInfo(bus, "", true, out); }).out);
+  EXPECT_EQ(info["current_max_A"], 15.0);
+  EXPECT_EQ(info["now"]["faults"][0]["name"], wire::FaultName(wire::kFaultFan));
+  EXPECT_NEAR(info["now"]["coil_temperatures_C"][1], 42.1, 1e-9);
+  EXPECT_NEAR(info["now"]["supply_V"], 18, 1e-9);
+  const Done tested = Do([&](std::ostream& out) { return DeviceSelfTest(bus, "", Yes, true, out); });
+  const auto test = nlohmann::json::parse(tested.out);
+  EXPECT_EQ(test["passed"], tested.status == kExitOk);
+  EXPECT_EQ(test["tests"].size(), 8U);
+}
+
+TEST(ToolsDevice, ErrorsAreJsonTooWhereItIsAskedFor) {
+  FakeUsbBus bus;
+  for (const Done& done : {Do([&](std::ostream& out) { return DeviceList(bus, true, out); }),
+                           Do([&](std::ostream& out) { return DeviceInfo(bus, "", true, out); }),
+                           Do([&](std::ostream& out) { return DeviceSelfTest(bus, "", Yes, true, out); })}) {
+    EXPECT_EQ(done.status, kExitFailed);
+    ExpectHas(nlohmann::json::parse(done.out).at("error").get<std::string>(), {"no Omni base"});
+  }
 }
 
 OtherPrograms Held(const std::vector<device::Holder>& holders, const base::Result<nlohmann::json>& status) {
@@ -96,7 +128,7 @@ TEST(ToolsDevice, InfoOfBaseInUseComesFromTheService) {
   FakeUsbBus::Entry& entry = bus.Add("A17");
   entry.open_error = "it must not be opened";
   const Done done = Do([&](std::ostream& out) {
-    return DeviceInfo(bus, "", out, Held({{.pid = 12, .name = "omnid"}}, ServiceStatus("A17")));
+    return DeviceInfo(bus, "", false, out, Held({{.pid = 12, .name = "omnid"}}, ServiceStatus("A17")));
   });
   EXPECT_EQ(done.status, kExitOk) << done.err;
   ExpectHas(done.out, {"A17 at port 1-1", "held by      omnid (pid 12)\n", "state        fault\n",
@@ -108,8 +140,8 @@ TEST(ToolsDevice, InfoOfBaseInUseExplainsMissingServiceStatus) {
   FakeUsbBus bus;
   bus.Add("A17");
   const auto info = [&](const std::string& holder, const base::Result<nlohmann::json>& status) {
-    const Done done =
-        Do([&](std::ostream& out) { return DeviceInfo(bus, "", out, Held({{.pid = 7, .name = holder}}, status)); });
+    const Done done = Do(
+        [&](std::ostream& out) { return DeviceInfo(bus, "", false, out, Held({{.pid = 7, .name = holder}}, status)); });
     EXPECT_EQ(done.status, kExitOk) << done.err;
     return done.out;
   };
@@ -127,16 +159,16 @@ TEST(ToolsDevice, InfoWithTwoBasesRequiresASerial) {
   FakeUsbBus bus(true);
   bus.Add("A17", "1-1");
   bus.Add("B2", "1-2");
-  const Done unclear = Do([&](std::ostream& out) { return DeviceInfo(bus, "", out); });
+  const Done unclear = Do([&](std::ostream& out) { return DeviceInfo(bus, "", false, out); });
   EXPECT_EQ(unclear.status, kExitFailed);
   ExpectHas(unclear.err, {"A17", "B2", "SERIAL"});
-  EXPECT_EQ(Do([&](std::ostream& out) { return DeviceInfo(bus, "B2", out); }).status, kExitOk);
+  EXPECT_EQ(Do([&](std::ostream& out) { return DeviceInfo(bus, "B2", false, out); }).status, kExitOk);
 }
 
 TEST(ToolsDevice, SelfTestPassesAGoodBase) {
   FakeUsbBus bus(true);
   FakeUsbBus::Entry& entry = bus.Add("A17");
-  const Done done = Do([&](std::ostream& out) { return DeviceSelfTest(bus, "A17", Yes, out); });
+  const Done done = Do([&](std::ostream& out) { return DeviceSelfTest(bus, "A17", Yes, false, out); });
   EXPECT_EQ(done.status, kExitOk) << done.err << done.out;
   EXPECT_EQ(done.out.find("FAIL"), std::string::npos) << done.out;
   for (const wire::Command& command : entry.base.commands) EXPECT_EQ(command.mode, wire::Mode::kOff);
@@ -147,7 +179,7 @@ TEST(ToolsDevice, SelfTestDoesNothingWithoutConfirmation) {
   FakeUsbBus::Entry& entry = bus.Add("A17");
   const Done done = Do([&](std::ostream& out) {
     return DeviceSelfTest(
-        bus, "", [] { return false; }, out);
+        bus, "", [] { return false; }, false, out);
   });
   EXPECT_EQ(done.status, kExitFailed);
   EXPECT_EQ(bus.link, nullptr) << "the base was not even opened";
@@ -160,7 +192,7 @@ TEST(ToolsDevice, SelfTestSaysWhatFails) {
   entry.base.state = wire::State::kFault;
   entry.base.faults = wire::kFaultSupplyLow;
   entry.base.refuses_arm = wire::kFaultSupplyLow;
-  const Done done = Do([&](std::ostream& out) { return DeviceSelfTest(bus, "", Yes, out); });
+  const Done done = Do([&](std::ostream& out) { return DeviceSelfTest(bus, "", Yes, false, out); });
   EXPECT_EQ(done.status, kExitFailed);
   ExpectHas(done.out, {"FAIL  supply", "FAIL  arming", wire::FaultName(wire::kFaultSupplyLow)});
 }

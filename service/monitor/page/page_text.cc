@@ -141,6 +141,8 @@ std::string StatusText(bool connected, const std::string& why, const json& statu
   return Dump({{"type", "status"}, {"connected", connected}, {"why", why}, {"status", status}, {"strokes", strokes}});
 }
 
+std::string SetupText(const json& steps) { return Dump({{"type", "setup"}, {"steps", steps}}); }
+
 std::string SceneText(const ShownScene& scene, bool own) {
   constexpr const char* kStates[] = {"none", "loading", "ready", "failed"};
   json parts = json::array();

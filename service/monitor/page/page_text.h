@@ -34,6 +34,9 @@ std::string HelloText(const PageHello& hello);
 // nothing is sculpted.
 std::string StatusText(bool connected, const std::string& why, const nlohmann::json& status, int strokes);
 
+// `steps`: an array, one object per step that sets a base up.
+std::string SetupText(const nlohmann::json& steps);
+
 // Strokes in omnid's answer to SceneAction::kEdits; -1: there are none to count.
 int StrokesOf(const std::string& edits);
 

@@ -27,7 +27,7 @@ const kDropMagic = 0x47504d4f; // "OMPG"
 const kDropKind = 16;
 const kDropVersion = 1;
 const kCloseForbidden = 4003;
-const kTypes = new Set(['hello', 'status', 'scene', 'notice', 'answer']);
+const kTypes = new Set(['hello', 'status', 'setup', 'scene', 'notice', 'answer']);
 
 // The token is in the address as #token=HEX once. It is kept for reloads of this tab, and taken out of the address
 // bar, where it would end up in pictures of the screen and bookmarks.

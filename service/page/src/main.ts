@@ -69,6 +69,7 @@ class App {
     signals: new Signals(kNoHello),
     link: { kind: 'connecting', text: '' },
     status: null,
+    setup: null,
     scene: null,
     live: null,
     replay: false,
@@ -127,6 +128,9 @@ class App {
         return this.takeHello(message);
       case 'status':
         this.state.status = message;
+        return;
+      case 'setup':
+        this.state.setup = message;
         return;
       case 'scene':
         return this.takeScene(message);

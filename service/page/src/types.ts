@@ -121,6 +121,23 @@ export interface StatusMessage {
   strokes: number; // of all sculpted objects of the scene that is touched; -1: nothing is sculpted
 }
 
+// A step of `omni setup`, in order. Which are done, as omnid and the user's files show it.
+export interface SetupStep {
+  name: string; // "calibrate"
+  title: string;
+  about: string;
+  takes: string; // "two minutes"
+  command: string; // for a shell
+  can_be_undone: boolean;
+  state: 'done' | 'open' | 'unknown'; // unknown: nothing shows it
+  text: string; // what is there, or what is missing
+}
+
+export interface SetupMessage {
+  type: 'setup';
+  steps: SetupStep[];
+}
+
 // What there is to touch, whenever it changes. Shapes (binary) of the same `number` follow.
 export interface SceneMessage {
   type: 'scene';
@@ -148,7 +165,7 @@ export interface AnswerMessage {
   text: string;
 }
 
-export type TextMessage = Hello | StatusMessage | SceneMessage | NoticeMessage | AnswerMessage;
+export type TextMessage = Hello | StatusMessage | SetupMessage | SceneMessage | NoticeMessage | AnswerMessage;
 
 export interface Contact {
   object: number;

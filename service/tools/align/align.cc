@@ -17,6 +17,7 @@
 #include "service/tools/align/align_text.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
+#include "service/tools/common/json_text.h"
 #include "service/tools/common/service_link.h"
 #include "service/tools/common/text_output.h"
 
@@ -30,7 +31,7 @@ constexpr const char* kPlacements[] = {"front-of-user", "calibrated", "off"};
 struct AlignArguments {
   std::string method = "touch";
   std::string socket, marks, placement;
-  bool show = false, forget = false, restore = false, tilted = false;
+  bool as_json = false, show = false, forget = false, restore = false, tilted = false;
   int number = 0;
   AlignRunOptions run;
 };
@@ -140,19 +141,20 @@ int Measure(client::Connection& connection, AlignArguments arguments) {
 
 int Align(const AlignArguments& arguments) {
   auto connection = ConnectToService(arguments.socket, protocol::ClientRole::kTool);
-  if (!connection.ok()) {
-    Fail(kAlign, connection.error());
-    return kExitNoService;
-  }
+  if (!connection.ok()) return FailWith(arguments.as_json, kAlign, connection.error(), kExitNoService);
   if (!arguments.placement.empty()) return SetPolicy(**connection, arguments.placement);
   const bool stored = arguments.show || arguments.forget || arguments.restore || arguments.method == "nudge";
   if (!stored) return Measure(**connection, arguments);
   const auto status = RequestStatus(**connection);
-  if (!status.ok()) return Fail(kAlign, status.error());
+  if (!status.ok()) return FailWith(arguments.as_json, kAlign, status.error());
   if (arguments.forget) return ForgetStored(**connection, *status, arguments.number);
   if (arguments.restore) return RestoreStored(**connection, *status, arguments.number);
   if (!arguments.show) return NudgeStored(**connection, *status, arguments.number);
-  Print(StoredAlignmentsText(*status));
+  if (arguments.as_json) {
+    PrintJson(status->value("alignments", nlohmann::json::object()));
+  } else {
+    Print(StoredAlignmentsText(*status));
+  }
   return kExitOk;
 }
 
@@ -167,7 +169,8 @@ void AddAlign(Command& app) {
            "touch the pen's tip with an index finger; nudge: adjust by keys")
       .OneOf({std::begin(kMethods), std::end(kMethods)})
       .ShowDefault();
-  align.Add("--show", arguments->show, "list the stored alignments");
+  const console::Option show = align.Add("--show", arguments->show, "list the stored alignments");
+  align.Add("--json", arguments->as_json, "--show: as JSON").Needs(show);
   align.Add("--forget", arguments->forget, "delete the stored alignments, or only --number N");
   align.Add("--restore", arguments->restore, "restore an alignment as measured, before any recentring");
   align

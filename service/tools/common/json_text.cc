@@ -1,10 +1,12 @@
 #include "service/tools/common/json_text.h"
 
 #include <cstdio>
+#include <iostream>
 
 #include <nlohmann/json.hpp>
 
 #include "service/base/files/json_values.h"
+#include "service/console/command.h"
 #include "service/protocol/text.h"
 
 namespace omni::tools {
@@ -20,6 +22,20 @@ std::string TextAt(const json& document, const char* pointer, int digits) {
   char text[64];
   std::snprintf(text, sizeof(text), "%.*f", digits, value->get<double>());
   return text;
+}
+
+void PrintJson(const json& document) {
+  std::cout << document.dump(2, ' ', false, json::error_handler_t::replace) << "\n";
+}
+
+void PrintJson(const nlohmann::ordered_json& document) {
+  std::cout << document.dump(2, ' ', false, json::error_handler_t::replace) << "\n";
+}
+
+int FailWith(bool as_json, const std::string& command, const std::string& error, int status) {
+  if (as_json) PrintJson(json{{"error", error}});
+  console::Fail(command, error);
+  return status;
 }
 
 std::string SimulationLine(const json& status) {

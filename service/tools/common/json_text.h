@@ -1,4 +1,5 @@
-// JSON as text for people: missing values and other types become "-". Values themselves: base/files/json_values.h.
+// JSON as text for people, in which missing values and other types become "-", and JSON as output. Values themselves:
+// base/files/json_values.h.
 #pragma once
 
 #include <string>
@@ -16,6 +17,14 @@ using base::TrueAt;
 
 // The value at a JSON pointer ("/tick/count") as text for people; numbers with `digits` after the point.
 std::string TextAt(const nlohmann::json& document, const char* pointer, int digits = 0);
+
+// To stdout, indented. Names come from other programs: invalid UTF-8 is replaced.
+void PrintJson(const nlohmann::json& document);
+void PrintJson(const nlohmann::ordered_json& document);
+
+// Fail, or for kExitNoService the same with that status. `as_json`: stdout gets {"error": text}, so that a script
+// always reads JSON.
+int FailWith(bool as_json, const std::string& command, const std::string& error, int status = 1);
 
 // The first line of output while omnid runs a simulation, with newline; otherwise empty.
 std::string SimulationLine(const nlohmann::json& status);

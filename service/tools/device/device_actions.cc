@@ -8,10 +8,13 @@
 #include "service/tools/common/service_link.h"
 #include "service/tools/device/device_command.h"
 #include "service/tools/device/device_held.h"
+#include "service/tools/device/device_json.h"
 #include "service/tools/device/device_text.h"
 
 namespace omni::tools {
 namespace {
+
+using nlohmann::ordered_json;
 
 constexpr const char* kServiceName = "omnid";   // as in /proc/PID/comm
 constexpr std::uint8_t kReasonCommandLine = 1;  // for the base's fault record
@@ -32,19 +35,37 @@ std::string FirmwareOf(device::UsbBus& bus, const device::UsbBase& base) {
   return hello.ok() ? FirmwareText(hello->firmware_version) : std::string();
 }
 
+// Where the facts go, as JSON or as text.
+struct Output {
+  const char* command;
+  bool as_json;
+  std::ostream& out;
+
+  void Show(const ordered_json& facts, const std::string& text) const {
+    if (as_json) {
+      out << facts.dump(2, ' ', false, ordered_json::error_handler_t::replace) << "\n";
+    } else {
+      out << console::ForPeople(text);
+    }
+  }
+  int Failed(const std::string& error) const {
+    if (as_json) Show({{"error", error}}, "");
+    return Fail(command, error);
+  }
+};
+
 }  // namespace
 
-int DeviceList(device::UsbBus& bus, std::ostream& out) {
+int DeviceList(device::UsbBus& bus, bool as_json, std::ostream& out) {
+  const Output output{"omni device list", as_json, out};
   const base::Result<std::vector<device::UsbBase>> bases = bus.List();
-  if (!bases.ok()) return Fail("omni device list", bases.error());
-  if (bases->empty()) {
-    return Fail("omni device list", "no Omni base on USB: connect it and switch its supply on");
-  }
+  if (!bases.ok()) return output.Failed(bases.error());
+  if (bases->empty()) return output.Failed("no Omni base on USB: connect it and switch its supply on");
   std::vector<ListedBase> listed;
   for (const device::UsbBase& base : *bases) {
     listed.push_back({.base = base, .firmware = FirmwareOf(bus, base), .holders = device::HoldersOf(base.node)});
   }
-  out << console::ForPeople(DeviceListText(listed));
+  output.Show(DeviceListJson(listed), DeviceListText(listed));
   return kExitOk;
 }
 
@@ -53,42 +74,55 @@ OtherPrograms ThoseOfThisMachine() {
           .service_status = [] { return FetchStatus(""); }};
 }
 
-int DeviceInfo(device::UsbBus& bus, const std::string& serial, std::ostream& out, const OtherPrograms& others) {
+int DeviceInfo(device::UsbBus& bus, const std::string& serial, bool as_json, std::ostream& out,
+               const OtherPrograms& others) {
+  const Output output{"omni device info", as_json, out};
   const base::Result<device::UsbBase> base = ChooseBase(bus, serial);
-  if (!base.ok()) return Fail("omni device info", base.error());
+  if (!base.ok()) return output.Failed(base.error());
   const base::Result<wire::Hello> hello = device::AskUsbHello(bus, *base);
-  if (!hello.ok()) return Fail("omni device info", hello.error());
-  out << console::ForPeople(DeviceIdentityText(*base, *hello));
-  if (const std::vector<device::Holder> holders = others.holders(base->node); !holders.empty()) {
+  if (!hello.ok()) return output.Failed(hello.error());
+  ordered_json facts = DeviceIdentityJson(*base, *hello);
+  std::string text = DeviceIdentityText(*base, *hello);
+  const std::vector<device::Holder> holders = others.holders(base->node);
+  facts["held_by"] = HoldersJson(holders);
+  if (!holders.empty()) {
     const bool is_service = std::any_of(holders.begin(), holders.end(),
                                         [](const device::Holder& holder) { return holder.name == kServiceName; });
-    out << console::ForPeople(DeviceHeldText(holders));
-    if (is_service) out << console::ForPeople(DeviceServedText(others.service_status(), *base));
-    out << console::ForPeople(DeviceFreeItText(is_service));
+    text += DeviceHeldText(holders);
+    if (is_service) text += DeviceServedText(others.service_status(), *base);
+    output.Show(facts, text + DeviceFreeItText(is_service));
     return kExitOk;
   }
   const base::Result<device::UsbProbe> probe = device::ProbeUsbBase(bus, *base, {});
-  if (!probe.ok()) return Fail("omni device info", probe.error());
-  out << console::ForPeople(DeviceLiveText(*probe));
+  if (!probe.ok()) return output.Failed(probe.error());
+  facts["now"] = DeviceLiveJson(*probe);
+  output.Show(facts, text + DeviceLiveText(*probe));
   return kExitOk;
 }
 
-int DeviceSelfTest(device::UsbBus& bus, const std::string& serial, const std::function<bool()>& agreed,
+int DeviceSelfTest(device::UsbBus& bus, const std::string& serial, const std::function<bool()>& agreed, bool as_json,
                    std::ostream& out) {
+  const Output output{"omni device selftest", as_json, out};
   const base::Result<device::UsbBase> base = ChooseBase(bus, serial);
-  if (!base.ok()) return Fail("omni device selftest", base.error());
-  out << console::ForPeople(
-      "Listens to " + device::UsbBaseName(*base) +
-      " for a second, then arms it for a moment with all currents at zero. Arming clears\n"
-      "faults whose cause is gone. Move the pen and other magnets a metre away, and check that all looks well.\n");
-  if (!agreed()) return Fail("omni device selftest", "cancelled");
+  if (!base.ok()) return output.Failed(base.error());
+  if (!as_json) {
+    out << console::ForPeople(
+        "Listens to " + device::UsbBaseName(*base) +
+        " for a second, then arms it for a moment with all currents at zero. Arming clears\n"
+        "faults whose cause is gone. Move the pen and other magnets a metre away, and check that all looks well.\n");
+  }
+  if (!agreed()) return output.Failed("cancelled");
   const base::Result<device::UsbProbe> probe =
       device::ProbeUsbBase(bus, *base, {.listen_ns = 1'000'000'000, .arm = true});
-  if (!probe.ok()) return Fail("omni device selftest", probe.error());
+  if (!probe.ok()) return output.Failed(probe.error());
   const std::vector<SelfTestRow> rows = JudgeSelfTest(*probe);
-  out << console::ForPeople(DeviceIdentityText(*base, probe->hello) + DeviceLiveText(*probe) + SelfTestText(rows));
   const bool passed = std::all_of(rows.begin(), rows.end(), [](const SelfTestRow& row) { return row.passed; });
-  return passed ? kExitOk : Fail("omni device selftest", "failed; see the FAIL lines above");
+  ordered_json facts = DeviceIdentityJson(*base, probe->hello);
+  facts["now"] = DeviceLiveJson(*probe);
+  facts["tests"] = SelfTestJson(rows);
+  facts["passed"] = passed;
+  output.Show(facts, DeviceIdentityText(*base, probe->hello) + DeviceLiveText(*probe) + SelfTestText(rows));
+  return passed ? kExitOk : Fail(output.command, "failed; see the FAIL lines above");
 }
 
 int DeviceEstop(device::UsbBus& bus, const std::string& serial, std::ostream& out) {

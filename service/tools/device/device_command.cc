@@ -15,22 +15,26 @@ namespace {
 
 struct DeviceArguments {
   std::string serial;
-  bool yes = false;
+  bool yes = false, as_json = false;
 };
 
 bool ConfirmToContinue() {
-  std::cout << "Continue? [y/N] " << std::flush;
+  std::cerr << "Continue? [y/N] " << std::flush;
   std::string answer;
   return std::getline(std::cin, answer) && (answer == "y" || answer == "Y" || answer == "yes");
 }
 
 using Action = int (*)(device::UsbBus& bus, const DeviceArguments& arguments);
 
-int List(device::UsbBus& bus, const DeviceArguments& /*arguments*/) { return DeviceList(bus, std::cout); }
-int Info(device::UsbBus& bus, const DeviceArguments& arguments) { return DeviceInfo(bus, arguments.serial, std::cout); }
+int List(device::UsbBus& bus, const DeviceArguments& arguments) {
+  return DeviceList(bus, arguments.as_json, std::cout);
+}
+int Info(device::UsbBus& bus, const DeviceArguments& arguments) {
+  return DeviceInfo(bus, arguments.serial, arguments.as_json, std::cout);
+}
 int SelfTest(device::UsbBus& bus, const DeviceArguments& arguments) {
   return DeviceSelfTest(
-      bus, arguments.serial, [&] { return arguments.yes || ConfirmToContinue(); }, std::cout);
+      bus, arguments.serial, [&] { return arguments.yes || ConfirmToContinue(); }, arguments.as_json, std::cout);
 }
 int Estop(device::UsbBus& bus, const DeviceArguments& arguments) {
   return DeviceEstop(bus, arguments.serial, std::cout);
@@ -42,12 +46,14 @@ struct ActionEntry {
   Action action;
   bool takes_serial;
   bool asks;
+  bool prints_facts;
 };
 constexpr ActionEntry kDeviceActions[] = {
-    {"list", "list all bases: serial, port, speed, firmware, programs that hold them", List, false, false},
-    {"info", "show one base: identity, limits, temperatures, faults with advice, kept fault", Info, true, false},
-    {"selftest", "check one base, arm it for a moment without current, and report what fails", SelfTest, true, true},
-    {"estop", "switch the coils off now, on every base or on one; works while omnid runs", Estop, true, false},
+    {"list", "list all bases: serial, port, speed, firmware, programs that hold them", List, false, false, true},
+    {"info", "show one base: identity, limits, temperatures, faults with advice, kept fault", Info, true, false, true},
+    {"selftest", "check one base, arm it for a moment without current, and report what fails", SelfTest, true, true,
+     true},
+    {"estop", "switch the coils off now, on every base or on one; works while omnid runs", Estop, true, false, false},
 };
 
 int RunAction(const ActionEntry& entry, const DeviceArguments& arguments) {
@@ -66,6 +72,7 @@ void AddDevice(Command& app) {
     Command action = device.AddCommand(entry.name, entry.about);
     if (entry.takes_serial) action.Add("serial", arguments->serial, "of the base, if there are several");
     if (entry.asks) action.Add("-y,--yes", arguments->yes, "do not ask for confirmation");
+    if (entry.prints_facts) action.Add("--json", arguments->as_json, "as JSON");
     action.Run([&entry, arguments] { return RunAction(entry, *arguments); });
   }
   device.AddCommand("flash-help", "how to put the firmware on a Teensy 4.0").Run([] {

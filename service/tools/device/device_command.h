@@ -14,9 +14,10 @@
 
 namespace omni::tools {
 
-// All return an exit status (command_line.h); errors go to stderr as one line.
+// All return an exit status (command_line.h); errors go to stderr as one line. `as_json`: `out` gets JSON
+// (device_json.h), also of an error.
 
-int DeviceList(device::UsbBus& bus, std::ostream& out);
+int DeviceList(device::UsbBus& bus, bool as_json, std::ostream& out);
 
 // Which programs hold the base, and the service's status; fabricated in tests.
 struct OtherPrograms {
@@ -26,11 +27,11 @@ struct OtherPrograms {
 OtherPrograms ThoseOfThisMachine();
 
 // `serial` empty: the only base there is. If omnid holds the base, shows what omnid knows.
-int DeviceInfo(device::UsbBus& bus, const std::string& serial, std::ostream& out,
+int DeviceInfo(device::UsbBus& bus, const std::string& serial, bool as_json, std::ostream& out,
                const OtherPrograms& others = ThoseOfThisMachine());
 
 // `agreed` is called before anything is done to the base; false cancels.
-int DeviceSelfTest(device::UsbBus& bus, const std::string& serial, const std::function<bool()>& agreed,
+int DeviceSelfTest(device::UsbBus& bus, const std::string& serial, const std::function<bool()>& agreed, bool as_json,
                    std::ostream& out);
 
 // `serial` empty: every base, because an emergency stop must not ask which one.

@@ -49,7 +49,7 @@ int Doctor(const DoctorArguments& arguments) {
   std::vector<Diagnosed> findings = Diagnose(surroundings);
   const nlohmann::json& status = surroundings.service.status;
   if (arguments.as_json) {
-    std::cout << DoctorJson(findings, status).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    PrintJson(DoctorJson(findings, status));
   } else {
     Print(DoctorText(findings, status));
     if (arguments.fix && ApplyFixes(findings)) {

@@ -1,5 +1,4 @@
 // omni layer enable, disable, status: whether applications without any knowledge of Omni get the pen.
-#include <iostream>
 #include <memory>
 #include <string>
 
@@ -7,6 +6,7 @@
 
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
+#include "service/tools/common/json_text.h"
 #include "service/tools/common/text_output.h"
 #include "service/tools/doctor/elf_file.h"
 #include "service/tools/layer/layer_store.h"
@@ -92,14 +92,14 @@ int Status(const LayerArguments& arguments) {
   std::string binary;
   if (arguments.binary) {
     const auto layer = FindInstalledLayer(surroundings);
-    if (!layer.ok()) return Fail(kStatusCommand, layer.error());
+    if (!layer.ok()) return FailWith(arguments.as_json, kStatusCommand, layer.error());
     const auto elf = ReadElfFile(layer->library);
-    if (!elf.ok()) return Fail(kStatusCommand, elf.error());
+    if (!elf.ok()) return FailWith(arguments.as_json, kStatusCommand, elf.error());
     status["binary"] = BinaryJson(layer->library, *elf);
     binary = "library      " + layer->library + "\n" + DescribeElf(*elf);
   }
   if (arguments.as_json) {
-    std::cout << status.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    PrintJson(status);
   } else {
     Print(LayerStatusText(status) + binary);
   }

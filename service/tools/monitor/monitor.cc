@@ -13,6 +13,7 @@
 #include "service/tools/common/terminal.h"
 #include "service/tools/monitor/page_folder.h"
 #include "service/tools/monitor/telemetry_file.h"
+#include "service/tools/setup/setup_steps.h"
 
 namespace omni::tools {
 namespace {
@@ -52,7 +53,8 @@ int MonitorPage(const MonitorArguments& arguments) {
                                                 .hello = {.version = OMNI_VERSION,
                                                           .control = arguments.control,
                                                           .max_file_bytes = 0,
-                                                          .device = config::DefaultDevice()}},
+                                                          .device = config::DefaultDevice()},
+                                                .setup_steps = SetupStepRows},
                                                nullptr);
   if (!monitor.ok()) return Fail(kMonitorCommand, monitor.error());
   std::printf("open  %s\n", (*monitor)->address().c_str());

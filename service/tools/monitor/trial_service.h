@@ -1,38 +1,35 @@
 // omnid with the digital twin, for omni try: a service of its own, that ends with this process.
 #pragma once
 
-#include <sys/types.h>
-
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "service/base/result.h"
+#include "service/tools/common/child_program.h"
 
 namespace omni::tools {
 
 class TrialService {
  public:
-  // Makes a folder that only the user can enter, and starts omnid on a socket in it.
+  // Starts omnid on a socket in a folder that only the user can enter.
   static base::Result<std::unique_ptr<TrialService>> Start();
-  // Ends omnid, waits for it and removes the folder.
-  ~TrialService();
-  TrialService(const TrialService&) = delete;
-  TrialService& operator=(const TrialService&) = delete;
 
-  const std::string& folder() const { return folder_; }
-  std::string socket() const { return folder_ + "/omnid.sock"; }
-  std::string hand() const { return folder_ + "/hand.sock"; }
+  const std::string& folder() const { return folder_.path(); }
+  std::string socket() const { return folder() + kSocketName; }
+  std::string hand() const { return folder() + kHandName; }
 
   // Empty while omnid runs; else how it ended, with the last line of its log.
   std::string EndReason();
 
  private:
-  TrialService(std::string folder) : folder_(std::move(folder)) {}
-  base::Status Spawn();
+  static constexpr const char* kSocketName = "/omnid.sock";
+  static constexpr const char* kHandName = "/hand.sock";
 
-  std::string folder_;
-  pid_t pid_ = -1;
-  std::string ended_;
+  TrialService(PrivateFolder folder, ChildProgram omnid) : folder_(std::move(folder)), omnid_(std::move(omnid)) {}
+
+  PrivateFolder folder_;
+  ChildProgram omnid_;
 };
 
 // The calibration of the digital twin's base of seed 1 that Omni ships (manifests/device). Empty: there is none.

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "service/base/clock.h"
 #include "service/client/connection.h"
 #include "service/config/files/device_file.h"
@@ -17,6 +19,7 @@
 #include "service/tools/monitor/page_folder.h"
 #include "service/tools/monitor/trial_service.h"
 #include "service/tools/scene/scene_source.h"
+#include "service/tools/setup/setup_steps.h"
 
 namespace omni::tools {
 namespace {
@@ -66,7 +69,9 @@ int Try(const TryArguments& arguments) {
                                             .scenes = ShippedChoices(),
                                             .max_file_bytes = monitor::kMaxDroppedBytes,
                                             .environment = EnvironmentLines(**service),
-                                            .device = device}};
+                                            .device = device},
+                                  // Of a base of the person's own: this omnid has the digital twin.
+                                  .setup_steps = [](const nlohmann::json&) { return SetupStepRows(nullptr); }};
   bool shipped = false;
   for (const monitor::SceneChoice& choice : ShippedChoices()) {
     options.scene_paths[choice.name] = ShippedScene(choice.name);

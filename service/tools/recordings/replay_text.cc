@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <ctime>
 
+#include <nlohmann/json.hpp>
+
 #include "firmware/wire/names.h"
 
 namespace omni::tools {
@@ -70,11 +72,47 @@ const char* EndWords(device::ReadStatus status) {
   return "";
 }
 
+std::string EndText(const device::RecordingSummary& summary) {
+  return summary.cut.empty() ? EndWords(summary.last_status) : summary.cut;
+}
+
 }  // namespace
 
+nlohmann::ordered_json RecordingJson(const std::string& path, const device::RecordingSummary& summary) {
+  using nlohmann::ordered_json;
+  ordered_json faults = ordered_json::array();
+  for (unsigned bit = 0; bit < summary.faults.size(); ++bit) {
+    const device::RecordedFault& fault = summary.faults[bit];
+    if (fault.scans == 0) continue;
+    faults.push_back({{"name", wire::FaultName(1U << bit)}, {"scans", fault.scans}, {"first_s", fault.first_s}});
+  }
+  return {{"file", path},
+          {"bytes", summary.bytes},
+          {"device",
+           {{"name", summary.info.name},
+            {"serial", summary.info.serial},
+            {"simulation", summary.info.simulation},
+            {"virtual_time", summary.info.virtual_time},
+            {"current_max_A", summary.info.current_max_A}}},
+          {"begun_unix_s", summary.info.begun_unix_s},
+          {"duration_s", summary.duration_s},
+          {"scans", summary.scans},
+          {"missed_ticks", summary.missed},
+          {"backward_stamps", summary.backward},
+          {"longest_gap_s", summary.longest_gap_s},
+          {"longest_gap_at_s", summary.longest_gap_at_s},
+          {"commands", summary.commands},
+          {"refused_commands", summary.refused_commands},
+          {"lost_records", summary.lost},
+          {"current_peak_A", summary.current_peak_A},
+          {"faults", std::move(faults)},
+          {"whole", summary.cut.empty()},
+          {"end", EndText(summary)}};
+}
+
 std::string RecordingText(const std::string& path, const device::RecordingSummary& summary) {
-  const std::string end = summary.cut.empty() ? EndWords(summary.last_status) : summary.cut;
-  return path + "\n" + DeviceLine(summary.info) + ScanLines(summary) + FaultLines(summary) + "end       " + end + "\n";
+  return path + "\n" + DeviceLine(summary.info) + ScanLines(summary) + FaultLines(summary) + "end       " +
+         EndText(summary) + "\n";
 }
 
 }  // namespace omni::tools

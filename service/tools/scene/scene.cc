@@ -1,7 +1,6 @@
 // omni scene explain: what of a file is loaded, what is skipped and why, and what it costs. omni scene cost: the same
 // as counted by the system. omni scene cache: the cached built scenes. The rest: scene_edit.cc.
 #include <cstdio>
-#include <iostream>
 #include <memory>
 #include <string>
 
@@ -12,6 +11,7 @@
 #include "service/scene/cache/cache_store.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
+#include "service/tools/common/json_text.h"
 #include "service/tools/common/text_output.h"
 #include "service/tools/scene/scene_cost.h"
 #include "service/tools/scene/scene_source.h"
@@ -31,15 +31,15 @@ struct ExplainArguments {
 
 int Explain(const ExplainArguments& arguments) {
   const base::Result<std::string> path = FindScene(arguments.scene);
-  if (!path.ok()) return Fail("omni scene explain", path.error());
+  if (!path.ok()) return FailWith(arguments.as_json, "omni scene explain", path.error());
   const base::Result<LoadedScene> loaded = LoadScene(*path,
                                                      {.touch_untagged = arguments.fit || arguments.touch_all,
                                                       .fit = arguments.fit,
                                                       .hull_radius_m = config::DefaultDevice().hull_radius_m},
                                                      !arguments.no_cache);
-  if (!loaded.ok()) return Fail("omni scene explain", loaded.error());
+  if (!loaded.ok()) return FailWith(arguments.as_json, "omni scene explain", loaded.error());
   if (arguments.as_json) {
-    std::cout << SceneJson(*path, *loaded).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    PrintJson(SceneJson(*path, *loaded));
   } else {
     Print(SceneText(*path, *loaded));
   }
@@ -51,14 +51,19 @@ int Cost(const ExplainArguments& arguments) {
   if (!path.ok()) return Fail("omni scene cost", path.error());
   const auto cost = SceneCost(*path, {.touch_untagged = arguments.touch_all}, !arguments.no_cache);
   if (!cost.ok()) return Fail("omni scene cost", cost.error());
-  std::cout << cost->dump(2) << "\n";
+  PrintJson(*cost);
   return kExitOk;
 }
 
 int Cache(const ExplainArguments& arguments) {
   scene::CacheStore store(config::CacheFolder());
-  if (!store.problem().empty()) return Fail("omni scene cache", store.problem());
+  if (!store.problem().empty()) return FailWith(arguments.as_json, "omni scene cache", store.problem());
   const scene::CacheUse use = arguments.clear ? store.Clear() : store.Use();
+  if (arguments.as_json) {
+    PrintJson(nlohmann::json{
+        {"folder", store.folder()}, {"files", use.files}, {"bytes", use.bytes}, {"removed", arguments.clear}});
+    return kExitOk;
+  }
   std::printf("%s: %llu files, %.1f MB%s\n", store.folder().c_str(), static_cast<unsigned long long>(use.files),
               static_cast<double>(use.bytes) * 1e-6, arguments.clear ? " removed" : "");
   return kExitOk;
@@ -85,6 +90,7 @@ void AddScene(Command& app) {
   cost.Run(arguments, Cost);
   Command cache = scene.AddCommand("cache", "show the built scenes cached on disk");
   cache.Add("--clear", arguments->clear, "remove them");
+  cache.Add("--json", arguments->as_json, "as JSON");
   cache.Run(arguments, Cache);
   explain.Run(arguments, Explain);
   AddSceneEdits(scene);

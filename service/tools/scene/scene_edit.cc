@@ -35,17 +35,11 @@ std::string KiloBytes(double bytes) {
 int Request(const std::string& command, SceneAction action, const EditArguments& arguments,
             client::SceneAnswer& answer) {
   auto connection = ConnectToService(arguments.socket);
-  if (!connection.ok()) {
-    Fail(command, connection.error());
-    return kExitNoService;
-  }
+  if (!connection.ok()) return FailWith(arguments.as_json, command, connection.error(), kExitNoService);
   base::Result<client::SceneAnswer> answered = RequestScene(**connection, action, arguments.client, arguments.object);
-  if (!answered.ok()) {
-    Fail(command, answered.error());
-    return kExitNoService;
-  }
+  if (!answered.ok()) return FailWith(arguments.as_json, command, answered.error(), kExitNoService);
   answer = std::move(*answered);
-  return answer.done ? kExitOk : Fail(command, answer.text);
+  return answer.done ? kExitOk : FailWith(arguments.as_json, command, answer.text);
 }
 
 int Edits(const EditArguments& arguments) {
@@ -58,7 +52,7 @@ int Edits(const EditArguments& arguments) {
     return Fail("omni scene edits", "omnid's answer is not a JSON object; install the same Omni version for both");
   }
   if (arguments.as_json) {
-    std::cout << edits.dump(2) << "\n";
+    PrintJson(edits);
   } else {
     Print(EditsText(edits));
   }

@@ -60,10 +60,10 @@ base::Result<Felt> FeelScene(const SetupRun& run, const std::string& scene, doub
                         .folder = run.folder(),
                         .hull_radius_m = config::DefaultDevice().hull_radius_m});
   trial.ChooseScene(ShippedScene(scene), scene + ".glb", true);
-  std::optional<SetupChild> hand;
+  std::optional<ChildProgram> hand;
   if (run.rehearsal()) {
-    base::Result<SetupChild> started = run.OmniBehind({"twin", "hand", scene, "--hand", run.hand_socket(), "--patience",
-                                                       std::to_string(static_cast<int>(patience_s))});
+    base::Result<ChildProgram> started = run.OmniBehind({"twin", "hand", scene, "--hand", run.hand_socket(),
+                                                         "--patience", std::to_string(static_cast<int>(patience_s))});
     if (!started.ok()) return base::Error{started.error()};
     hand = std::move(*started);
   }

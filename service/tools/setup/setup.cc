@@ -1,5 +1,4 @@
 // omni setup: from plugging in to feeling a force, step by step.
-#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +8,8 @@
 #include "service/base/clock.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
+#include "service/tools/common/json_text.h"
+#include "service/tools/common/service_link.h"
 #include "service/tools/common/text_output.h"
 #include "service/tools/setup/setup_steps.h"
 
@@ -23,22 +24,18 @@ struct SetupArguments {
 };
 
 int List(bool as_json) {
-  nlohmann::json rows = nlohmann::json::array();
-  std::string text;
-  for (const SetupStep& step : SetupSteps()) {
-    rows.push_back({{"name", step.name},
-                    {"title", step.title},
-                    {"about", step.about},
-                    {"takes", step.takes},
-                    {"can_be_undone", step.undo != nullptr}});
-    std::string name = step.name;
-    name.resize(12, ' ');
-    text += name + step.title + " (" + step.takes + ")\n";
-  }
+  const base::Result<nlohmann::json> status = FetchStatus("");
+  const nlohmann::json rows = SetupStepRows(status.ok() ? *status : nlohmann::json());
   if (as_json) {
-    std::cout << rows.dump(2) << "\n";
-  } else {
-    Print(text);
+    PrintJson(rows);
+    return kExitOk;
+  }
+  for (const nlohmann::json& row : rows) {
+    std::string name = base::StringAt(row, "/name");
+    name.resize(12, ' ');
+    const std::string state = base::StringAt(row, "/state"), text = base::StringAt(row, "/text");
+    Print(name + base::StringAt(row, "/title") + " (" + base::StringAt(row, "/takes") + ")" +
+          (state == "unknown" ? "" : "\n            " + state + ": " + text) + "\n");
   }
   return kExitOk;
 }
@@ -66,7 +63,7 @@ bool Go(const SetupStep& step, int number, std::size_t of, SetupRun& run) {
   const std::string undo = stays ? std::string("omni setup --undo ") + step.name : std::string();
   for (;;) {
     if (RunAndReport(step.run, undo, run)) return true;
-    const std::string next = run.Choose("Quit, try again, or skip this step?", {"q", "t", "s"});
+    const std::string next = run.Choose("Quit, try again, or skip this step?", {"q", "t", "s"}, "q");
     if (next == "q") return false;
     if (next == "s") return true;
   }
@@ -116,8 +113,8 @@ void AddSetup(Command& app) {
   setup.Add("--rehearse", arguments->rehearse, "with the digital twin (a simulation); changes nothing of yours");
   setup.Add("--yes", arguments->yes, "answer every question with yes, or with its first answer");
   setup.Add("--undo", arguments->undo, "take back what the step has changed");
-  setup.Add("--list", arguments->list, "list the steps");
-  setup.Add("--json", arguments->as_json, "list the steps as JSON");
+  setup.Add("--list", arguments->list, "list the steps, and which are done");
+  setup.Add("--json", arguments->as_json, "the same as JSON");
   setup.Run(arguments, Setup);
 }
 

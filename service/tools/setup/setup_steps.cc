@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <string_view>
+
+#include <nlohmann/json.hpp>
 
 #include "service/base/files/whole_file.h"
 #include "service/config/paths.h"
-#include "service/device/usb/usb_bus.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/text_output.h"
 #include "service/tools/setup/feel.h"
@@ -21,7 +20,6 @@ using enum StepOutcome::Kind;
 
 constexpr double kPatience_s = 90;
 constexpr double kFelt_N = 0.2;
-constexpr std::string_view kOurs = "# Written by omni setup.";  // the first line of inputs.toml
 
 StepOutcome Done(std::string text) { return {kDone, std::move(text)}; }
 StepOutcome Skipped(std::string text) { return {kSkipped, std::move(text)}; }
@@ -32,16 +30,6 @@ bool Exists(const std::string& path) {
   return !path.empty() && fs::exists(path, error);
 }
 
-enum class Inputs { kNone, kOfSetup, kOfTheUser };
-
-// Whose inputs.toml it is; an empty one is as good as none.
-Inputs WhoseInputs(const std::string& path) {
-  std::ifstream in(path);
-  std::string first;
-  if (!std::getline(in, first)) return Inputs::kNone;
-  return first == kOurs ? Inputs::kOfSetup : Inputs::kOfTheUser;
-}
-
 // Of a command that prints itself what is wrong and what to do.
 StepOutcome OfStatus(int status, std::string done, std::string failed) {
   return status == kExitOk ? Done(std::move(done)) : Failed(std::move(failed));
@@ -49,27 +37,15 @@ StepOutcome OfStatus(int status, std::string done, std::string failed) {
 
 StepOutcome FindDevice(SetupRun& run) {
   if (run.rehearsal()) return Done("a rehearsal: base, pen and hand are simulated by the digital twin");
-  const auto bus = device::MakeUsbBus(false);
-  if (!bus.ok()) return Failed(bus.error());
-  const base::Result<std::vector<device::UsbBase>> bases = (*bus)->List();
-  if (!bases.ok()) return Failed(bases.error());
-  if (bases->empty()) {
-    return Failed(
-        "no base is on USB. Connect it and switch its supply on; without a base, `omni setup --rehearse` shows the "
-        "steps on a simulated one");
-  }
-  if (!bases->front().problem.empty()) {
-    const std::string rule = config::ShareFolder() + "/../lib/udev/rules.d/70-omni.rules";
-    return Failed(bases->front().problem + ". As root, once:\n    install -m 644 " +
-                  (Exists(rule) ? fs::path(rule).lexically_normal().string() : "manifests/udev/70-omni.rules") +
-                  " /etc/udev/rules.d/\n    udevadm control --reload\n    udevadm trigger --subsystem-match=usb");
-  }
-  const std::string many = bases->size() > 1 ? ", and " + std::to_string(bases->size() - 1) + " more" : "";
-  return Done("base " + bases->front().serial + " on USB port " + bases->front().port + many);
+  const base::Result<std::string> found = FindUsbBase();
+  return found.ok() ? Done(*found) : Failed(found.error());
 }
 
 StepOutcome SelfTest(SetupRun& run) {
   if (run.rehearsal()) return Skipped("a simulated base has nothing to test");
+  if (!run.Ask("The test arms the base for a moment, without current in its coils. Go on?")) {
+    return Skipped("`omni device selftest` does it later");
+  }
   run.EndService();  // the test needs the base for itself
   return OfStatus(run.Omni({"device", "selftest", "--yes"}), "the base passes its own test",
                   "the lines that begin with FAIL say what to do; docs/howto/build-a-base.md explains each");
@@ -127,15 +103,16 @@ StepOutcome UndoAlign(SetupRun& run) {
 StepOutcome SetInputs(SetupRun& run) {
   const base::Status service = run.NeedService();
   if (!service.ok()) return Failed(service.error());
-  const std::string hand = run.Choose("Which hand holds the pen?", {"right", "left"});
+  const std::string hand = run.Choose("Which hand holds the pen?", {"right", "left"}, "right");
   Print("Press the tip onto the clay above the base a few times, as hard as you like to write.\n");
   const base::Result<Felt> felt =
       FeelScene(run, "extrusion", kPatience_s, [](const Felt& now) { return now.presses >= 3; });
   if (!felt.ok()) return Failed(felt.error());
   const double full_N = std::clamp(0.8 * felt->largest_force_N, 0.3, 1.5);
-  const std::string text =
-      std::string(kOurs) + "\nhand = \"" + hand + "\"\n\n[inputs]\ntip_force_full_N = " + Printed("%.2f", full_N) +
-      "   # of the tip's pressure 1; you pressed with " + Printed("%.2f", felt->largest_force_N) + " N\n";
+  const std::string text = std::string(kWrittenBySetup) + "\nhand = \"" + hand +
+                           "\"\n\n[inputs]\ntip_force_full_N = " + Printed("%.2f", full_N) +
+                           "   # of the tip's pressure 1; you pressed with " + Printed("%.2f", felt->largest_force_N) +
+                           " N\n";
   const std::string path = config::UserInputsFile();
   if (WhoseInputs(path) == Inputs::kOfTheUser) {
     return Skipped(path + " is yours and stays as it is. These lines would go into it:\n" + text);
@@ -213,31 +190,47 @@ StepOutcome UndoStart(SetupRun& /*run*/) {
 }
 
 constexpr SetupStep kSteps[] = {
-    {"device", "Find the base", "The base is connected by USB and has its own supply.", "a second", FindDevice,
-     nullptr},
+    {"device", "Find the base", "The base is connected by USB and has its own supply.", "a second", FindDevice, nullptr,
+     DeviceState},
     {"selftest", "Test the base", "Sensors, supply, fan and coils, armed for a moment without current.", "five seconds",
-     SelfTest, nullptr},
+     SelfTest, nullptr, nullptr},
     {"calibrate", "Calibrate the base",
-     "No base is quite as it was drawn. Keep the pen away first, then wave it, then touch the hull, as it is said. "
-     "With it "
-     "the pen is tracked to a fifth of a millimetre and the full force may be used.",
-     "two minutes", Calibrate, UndoCalibrate},
+     "No base is quite as it was designed. Keep the pen away first, then wave it, then touch the hull, as the lines "
+     "say. "
+     "With it the pen is tracked to a fifth of a millimetre and the full force may be used.",
+     "two minutes", Calibrate, UndoCalibrate, CalibrationState},
     {"align", "Align the base with your headset",
-     "A controller touches five marks on the base, so that the pen is seen "
-     "where it is.",
-     "half a minute", Align, UndoAlign},
+     "A controller touches five marks on the base, so that the pen is seen where it is.", "half a minute", Align,
+     UndoAlign, AlignmentState},
     {"inputs", "Hand and pressure", "The hand that holds the pen, and how hard it presses for full pressure.",
-     "half a minute", SetInputs, UndoInputs},
+     "half a minute", SetInputs, UndoInputs, InputsState},
     {"layer", "Give applications the pen", "OpenXR applications see the pen as a controller, by a layer.", "a second",
-     EnableLayer, UndoLayer},
-    {"scenes", "Feel three scenes", "Clay, a soft dragon, a race.", "a minute", FeelScenes, nullptr},
+     EnableLayer, UndoLayer, LayerState},
+    {"scenes", "Feel three scenes", "Clay, a soft dragon, a race.", "a minute", FeelScenes, nullptr, nullptr},
     {"start", "Start with your session", "systemd starts omnid with the first application.", "a second",
-     StartWithSession, UndoStart},
+     StartWithSession, UndoStart, StartState},
 };
 
 }  // namespace
 
 std::span<const SetupStep> SetupSteps() { return kSteps; }
+
+nlohmann::json SetupStepRows(const nlohmann::json& status) {
+  constexpr const char* kStates[] = {"done", "open", "unknown"};
+  nlohmann::json rows = nlohmann::json::array();
+  for (const SetupStep& step : SetupSteps()) {
+    const StepState state = step.state == nullptr ? StepState{} : step.state(status);
+    rows.push_back({{"name", step.name},
+                    {"title", step.title},
+                    {"about", step.about},
+                    {"takes", step.takes},
+                    {"command", std::string("omni setup ") + step.name},
+                    {"can_be_undone", step.undo != nullptr},
+                    {"state", kStates[static_cast<int>(state.kind)]},
+                    {"text", state.text}});
+  }
+  return rows;
+}
 
 const SetupStep* FindSetupStep(const std::string& name) {
   const auto found =

@@ -4,7 +4,10 @@
 #include <span>
 #include <string>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "service/tools/setup/setup_run.h"
+#include "service/tools/setup/setup_state.h"
 
 namespace omni::tools {
 
@@ -22,10 +25,16 @@ struct SetupStep {
   StepOutcome (*run)(SetupRun& run);
   // Takes back what the step has changed of the user's. Null: it changes nothing.
   StepOutcome (*undo)(SetupRun& run);
+  // Null: nothing shows whether it was done.
+  StepState (*state)(const nlohmann::json& status);
 };
 
 // In the order in which they are done; any of them can be done alone.
 std::span<const SetupStep> SetupSteps();
+
+// One row per step: name, title, about, takes, command, can_be_undone, state ("done", "open", "unknown"), text. For
+// people, `omni setup --json` and the page. `status` of omnid; null: none.
+nlohmann::json SetupStepRows(const nlohmann::json& status);
 
 // Null: there is none of this name.
 const SetupStep* FindSetupStep(const std::string& name);

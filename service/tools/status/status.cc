@@ -1,5 +1,4 @@
 // omni status: the current state of the service.
-#include <iostream>
 #include <memory>
 #include <string>
 
@@ -7,6 +6,7 @@
 
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
+#include "service/tools/common/json_text.h"
 #include "service/tools/common/service_link.h"
 #include "service/tools/common/text_output.h"
 #include "service/tools/status/status_text.h"
@@ -21,12 +21,9 @@ struct StatusArguments {
 
 int Status(const StatusArguments& arguments) {
   const base::Result<nlohmann::json> status = FetchStatus(arguments.socket);
-  if (!status.ok()) {
-    Fail("omni status", status.error());
-    return kExitNoService;
-  }
+  if (!status.ok()) return FailWith(arguments.as_json, "omni status", status.error(), kExitNoService);
   if (arguments.as_json) {
-    std::cout << status->dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    PrintJson(*status);
   } else {
     Print(StatusText(*status));
   }

@@ -15,6 +15,7 @@
 #include "service/client/surface_reader.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
+#include "service/tools/common/json_text.h"
 #include "service/tools/common/terminal.h"
 #include "service/tools/surfaces/surfaces_save.h"
 #include "service/tools/surfaces/surfaces_view.h"
@@ -32,7 +33,7 @@ constexpr std::int64_t kAnswerTime_ns = 2'500'000'000;
 
 struct SurfacesArguments {
   std::string socket;
-  bool watch = false;
+  bool watch = false, as_json = false;
   double seconds = std::numeric_limits<double>::infinity();
   SurfacesSaveArguments save;  // but for socket and seconds
 };
@@ -129,9 +130,9 @@ class SurfaceCounter {
 int NoSurfaceService(const SurfacesArguments& arguments, const SurfaceCounter& counter) {
   const std::string path = arguments.socket.empty() ? client::DefaultSocketPath() : arguments.socket;
   const std::string& why = counter.view().problem;
-  Fail("omni surfaces",
-       (why.empty() ? "omnid does not answer at " + path : why) + "; to start it: `omnid --device twin`");
-  return kExitNoService;
+  return FailWith(arguments.as_json, "omni surfaces",
+                  (why.empty() ? "omnid does not answer at " + path : why) + "; to start it: `omnid --device twin`",
+                  kExitNoService);
 }
 
 // Over one second.
@@ -148,7 +149,11 @@ int PrintSurfaces(const SurfacesArguments& arguments) {
     std::this_thread::sleep_for(kReadPeriod);
   }
   if (!counter.view().connected) return NoSurfaceService(arguments, counter);
-  std::cout << SurfacesText(counter.view());
+  if (arguments.as_json && counter.view().answered) {
+    PrintJson(SurfacesJson(counter.view()));
+  } else {
+    std::cout << SurfacesText(counter.view());
+  }
   return kExitOk;
 }
 
@@ -198,6 +203,7 @@ void AddSurfaces(Command& app) {
   Option file =
       surfaces.Add("--save", save.file, "write the surfaces as they are now").WritesOnly(".glb", "binary glTF");
   file.Excludes(watch);
+  surfaces.Add("--json", arguments->as_json, "as JSON").Excludes(watch).Excludes(file);
   surfaces
       .Add("--largest", save.largest,
            "--save: watch for --seconds and write the surfaces at their largest displacement")

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <nlohmann/json.hpp>
+
 #include "service/protocol/surfaces/surface_memory.h"
 #include "service/tools/common/text_output.h"
 
@@ -26,9 +28,10 @@ std::string NamesOf(std::uint32_t flags) {
 }
 
 // A sculpted surface has no rest to be away from, and an object without vertices no shape.
+bool HasRest(const SurfaceRow& row) { return row.vertices > 0 && (row.flags & protocol::kSurfaceSculpted) == 0; }
+
 std::string DisplacementOf(const SurfaceRow& row) {
-  const bool has_rest = row.vertices > 0 && (row.flags & protocol::kSurfaceSculpted) == 0;
-  return has_rest ? Printed("%.3f", row.largest_displacement_m * 1e3) : "-";
+  return HasRest(row) ? Printed("%.3f", row.largest_displacement_m * 1e3) : "-";
 }
 
 std::string RowText(const SurfaceRow& row, int width) {
@@ -39,6 +42,30 @@ std::string RowText(const SurfaceRow& row, int width) {
 }
 
 }  // namespace
+
+nlohmann::ordered_json SurfacesJson(const SurfacesView& view) {
+  using nlohmann::ordered_json;
+  ordered_json objects = ordered_json::array();
+  for (const SurfaceRow& row : view.rows) {
+    ordered_json changes = ordered_json::array();
+    for (const FlagName& name : kFlagNames) {
+      if ((row.flags & name.flag) != 0) changes.push_back(name.name);
+    }
+    objects.push_back(
+        {{"name", row.name},
+         {"changes", std::move(changes)},
+         {"vertices", row.vertices},
+         {"triangles", row.triangles},
+         {"changes_Hz", row.changes_Hz},
+         {"largest_displacement_m", HasRest(row) ? ordered_json(row.largest_displacement_m) : ordered_json()},
+         {"moved_m", row.translation_m}});
+  }
+  return {{"scene_generation", view.scene_generation},
+          {"memory_generation", view.memory_generation},
+          {"bytes", view.bytes},
+          {"poll_Hz", view.poll_Hz},
+          {"objects", std::move(objects)}};
+}
 
 std::string SurfacesText(const SurfacesView& view) {
   if (!view.connected) return "no service: " + view.problem + "\n";

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 namespace omni::tools {
 
 struct SurfaceRow {
@@ -28,5 +30,7 @@ struct SurfacesView {
 
 // Lines, each ending with a newline.
 std::string SurfacesText(const SurfacesView& view);
+// The same of an answer; "objects" is empty where nothing changes.
+nlohmann::ordered_json SurfacesJson(const SurfacesView& view);
 
 }  // namespace omni::tools

@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
+
 #include "service/config/files/calibration_file.h"
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"
@@ -22,6 +24,8 @@
 #include "service/tools/calibrate/calibrate_kept.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
+#include "service/tools/common/json_text.h"
+#include "service/tools/common/text_output.h"
 #include "service/tools/recordings/report.h"
 #include "service/tools/scene/scene_source.h"
 #include "service/tools/twin/hand_path.h"
@@ -37,6 +41,7 @@ struct RunArguments {
   std::string calibration;
   std::uint64_t seed = 1;
   double seconds = 0;
+  bool as_json = false;
   bool as_drawn = false;
   bool fit = false;
   bool touch_all = false;
@@ -103,6 +108,24 @@ std::string ErrorsText(const TrackingErrors& errors) {
   return text;
 }
 
+nlohmann::ordered_json RunJson(const RunArguments& arguments, const std::string& scene, double seconds,
+                               const daemon::VirtualRunSummary& summary, const TrackingErrors& errors) {
+  return {{"simulation", true},
+          {"scene", scene},
+          {"seed", arguments.seed},
+          {"seconds", seconds},
+          {"ticks", summary.ticks},
+          {"tracked_ticks", summary.tracked_ticks},
+          {"contact_ticks", summary.contact_ticks},
+          {"select_presses", summary.select_presses},
+          {"peak_force_N", summary.peak_force_N},
+          {"compared_ticks", errors.compared_ticks},
+          {"error_mm", {{"mean", errors.mean_mm}, {"p95", errors.p95_mm}, {"max", errors.max_mm}}},
+          {"sigma_median_mm", errors.sigma_median_mm},
+          {"silent_share", errors.silent_share},
+          {"hash", Printed("%016llx", static_cast<unsigned long long>(summary.hash))}};
+}
+
 int RunTwin(const RunArguments& arguments) {
   const base::Result<std::string> found = FindScene(arguments.scene);
   if (!found.ok()) return Fail("omni twin run", found.error());
@@ -137,6 +160,10 @@ int RunTwin(const RunArguments& arguments) {
   const auto table = CsvTable::Read(recording.path());
   if (!table.ok()) return Fail("omni twin run", table.error());
   const TrackingErrors errors = CompareTracking(tracked, *table);
+  if (arguments.as_json) {
+    PrintJson(RunJson(arguments, path, seconds, summary, errors));
+    return errors.compared_ticks > 0 ? kExitOk : kExitFailed;
+  }
   std::printf("scene            %s\n", path.c_str());
   std::printf("what changes     %u soft bodies, %u sculptable surfaces\n", loaded->live.soft_bodies,
               loaded->live.sculpt_sessions);
@@ -200,6 +227,7 @@ void AddTwin(Command& app) {
   run.Add("--fit", arguments->fit, "scale and move the model into reach");
   run.Add("--touch-all", arguments->touch_all, "make a file without haptic tags touchable everywhere (--fit does too)");
   run.Add("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
+  run.Add("--json", arguments->as_json, "as JSON");
   run.Run(arguments, RunTwin);
 
   auto path_arguments = std::make_shared<PathArguments>();

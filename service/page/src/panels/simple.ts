@@ -1,6 +1,6 @@
 // Small panels: the keys of the hand, what makes an application use the pen, and the pen's inputs.
 import { Card } from '../ui/card';
-import { make, makeButton, setHidden, setText } from '../ui/dom';
+import { copyText, make, makeButton, setHidden, setText } from '../ui/dom';
 import { fixed } from '../ui/format';
 import { kStopKey } from './stop';
 import type { Actions, PageState, Panel } from './state';
@@ -41,11 +41,11 @@ export class EnvironmentPanel implements Panel {
   private readonly lines = make('pre', { class: 'environment', tabindex: 0, role: 'region' });
   private readonly copy: HTMLButtonElement;
 
-  constructor(private readonly actions: Actions) {
+  constructor(actions: Actions) {
     this.root = this.card.root;
     this.lines.setAttribute('aria-label', 'Lines for a shell');
     this.lines.dataset['testid'] = 'environment';
-    this.copy = makeButton('Copy', () => void this.copyLines());
+    this.copy = makeButton('Copy', () => void copyText(this.lines).then((said) => actions.say('info', said)));
     const about = make('p', {}, 'Paste this into a terminal, and start your OpenXR application there:');
     this.card.body.append(about, this.lines, make('div', { class: 'buttons' }, this.copy));
   }
@@ -54,16 +54,6 @@ export class EnvironmentPanel implements Panel {
     const lines = state.hello.environment;
     setHidden(this.root, lines.length === 0);
     setText(this.lines, lines.join('\n'));
-  }
-
-  private async copyLines(): Promise<void> {
-    try {
-      await navigator.clipboard.writeText(`${this.lines.textContent ?? ''}\n`);
-      this.actions.say('info', 'Copied.');
-    } catch {
-      getSelection()?.selectAllChildren(this.lines);
-      this.actions.say('info', 'The browser does not allow it; the lines are selected: press Ctrl+C.');
-    }
   }
 }
 

@@ -1,7 +1,7 @@
 // What the page knows now. main.ts writes it, the panels read it.
 import type { LinkState } from '../link';
 import type { SurfacesThen } from '../record/surface_record';
-import type { Hello, Live, Request, SceneMessage, Status, StatusMessage } from '../types';
+import type { Hello, Live, Request, SceneMessage, SetupMessage, Status, StatusMessage } from '../types';
 import type { Signals } from './signals';
 
 export interface PageState {
@@ -9,6 +9,7 @@ export interface PageState {
   signals: Signals;
   link: LinkState;
   status: StatusMessage | null;
+  setup: SetupMessage | null;
   scene: SceneMessage | null;
   live: Live | null; // what is shown: the newest, or that of the replayed time
   replay: boolean;

@@ -97,6 +97,17 @@ export class KeyedList<Item> {
   }
 }
 
+// Copies an element's text, else selects it. Returns what the person is to read.
+export async function copyText(element: Element): Promise<string> {
+  try {
+    await navigator.clipboard.writeText(`${element.textContent ?? ''}\n`);
+    return 'Copied.';
+  } catch {
+    getSelection()?.selectAllChildren(element);
+    return 'The browser does not allow it; the text is selected: press Ctrl+C.';
+  }
+}
+
 // A file that the person wants, without a server: through a blob URL.
 export function download(name: string, blob: Blob): void {
   const url = URL.createObjectURL(blob);
