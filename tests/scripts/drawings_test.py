@@ -18,19 +18,30 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT, DEVICE, DRAWN = ROOT / "scripts/drawings", ROOT / "manifests/device", ROOT / "docs/drawings"
 PAGE = ROOT / "docs/howto/build-a-base.md"
 SHEET, SCALES = (297, 210), {"coil-former": 2, "hull": 1, "sensors": 0.5, "pen": 1}
-KEY = re.compile(r"\b(omni|build|marks|room|twin|firmware)((?:\.\w+|\[\w+\])+)")
+DRAWINGS = (*SCALES, "wiring", "set-up")
+KEY = re.compile(r"\b(omni|build|marks|room|twin|firmware|layer|scene|tracker)((?:\.\w+|\[\w+\])+)")
+CODE = {"layer": ("layer/src/spaces/base_pose.cc", ("kInFront_m", "kBelow_m")),
+        "scene": ("service/scene/reach.cc", ("kReach_m",)), "tracker": ("service/tracker/tracker.h", ("reach_max_m",))}
+NOT_BUILT = {"set-up": "Nothing here has been built with this firmware yet: simulated."}
 sys.dont_write_bytecode = True
+sys.path.insert(0, str(ROOT / "scripts"))
 loader = importlib.machinery.SourceFileLoader("drawings", str(SCRIPT))
 drawings = importlib.util.module_from_spec(importlib.util.spec_from_loader("drawings", loader))
 loader.exec_module(drawings)
 
 
 def run(*arguments):
-    return subprocess.run([sys.executable, str(SCRIPT), *map(str, arguments)], capture_output=True, text=True, check=False)
+    command = [sys.executable, str(SCRIPT), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 def tables():
-    return {name: tomllib.loads((DEVICE / f"{name}.toml").read_text(encoding="utf-8")) for name in ("omni", "build", "marks", "room", "twin")}
+    found = {name: tomllib.loads((DEVICE / f"{name}.toml").read_text(encoding="utf-8"))
+             for name in ("omni", "build", "marks", "room", "twin")}
+    for name, (path, keys) in CODE.items():
+        source = (ROOT / path).read_text(encoding="utf-8")
+        found[name] = {key: float(re.search(rf"double {key} = ([\d.]+);", source)[1]) for key in keys}
+    return found
 
 
 def steps(path):
@@ -48,20 +59,22 @@ def rows():
     return [line.split("\t") for line in run("--list").stdout.splitlines()]
 
 
-# -- the numbers once more: other formulas than the script's where there are any -----------------------------------------
+# -- the numbers once more: other formulas than the script's where there are any --------------------------------------
 
 class Again:
     def __init__(self):
         self.raw = tables()
         self.omni, self.build, self.twin = self.raw["omni"], self.raw["build"], self.raw["twin"]
-        settings = "".join((ROOT / "firmware/core" / name).read_text(encoding="utf-8") for name in ("link/settings.h", "safety/self_test.cc"))
+        settings = "".join((ROOT / "firmware/core" / name).read_text(encoding="utf-8")
+                           for name in ("link/settings.h", "safety/self_test.cc"))
         named = {name: json.loads(json.dumps(table), object_hook=lambda keys: types.SimpleNamespace(**keys))
                  for name, table in self.raw.items()}
         named["firmware"] = types.SimpleNamespace(**{
             key: float(re.search(rf"\bfloat {key} = ([\d.]+)", settings)[1])
             for key in ("power_max_W", "supply_min_V", "supply_max_V", "kMeasuredTolerance")})
         functions = {name: getattr(self, name) for name in dir(self) if not name.startswith("_")}
-        self._names = {**functions, **named, "sqrt": math.sqrt, "hypot": math.hypot, "pi": math.pi, "sum": sum, "range": range}
+        self._names = {**functions, **named, "sqrt": math.sqrt, "hypot": math.hypot, "pi": math.pi, "sum": sum,
+                       "range": range}
         self._L = {}
 
     def __call__(self, formula, k=None):
@@ -118,11 +131,13 @@ class Again:
             for s, z in turns[:i]:
                 p, q = r * r + s * s + (y - z) ** 2, 2 * r * s
                 air += 2 * 4e-7 * math.pi * r * s * math.pi / half * sum(c / math.sqrt(p - q * c) for c in cosines)
-        slopes = {1: lambda x: 1, 3: lambda x: (15 * x ** 2 - 3) / 2, 5: lambda x: (315 * x ** 4 - 210 * x ** 2 + 15) / 8}
+        slopes = {1: lambda x: 1, 3: lambda x: (15 * x ** 2 - 3) / 2,
+                  5: lambda x: (315 * x ** 4 - 210 * x ** 2 + 15) / 8}
         core, a, kappa = 0.0, self.omni["core"]["core_radius_m"], self.omni["core"]["core_kappa"]
         mu_r = (1 + 2 * kappa) / (1 - kappa)
         for l, slope in slopes.items():
-            b = sum(2e-7 * math.pi * r * r * slope(z / math.hypot(r, z)) / math.hypot(r, z) ** (l + 2) for r, z in turns)
+            b = sum(2e-7 * math.pi * r * r * slope(z / math.hypot(r, z)) / math.hypot(r, z) ** (l + 2)
+                    for r, z in turns)
             core += l * (mu_r - 1) / (l * mu_r + l + 1) * 1e7 * b * b * a ** (2 * l + 1) / (l * l)
         self._L[k, model] = air, core
         return air, core
@@ -156,7 +171,8 @@ class Again:
     def hot_C(self, k, from_C, s):
         T, count = from_C, 20000
         for _ in range(count):
-            T += s / count * self.omni["limits"]["supply_V"] ** 2 / (self.resistance_ohm(k, T) * self.omni["heat"]["copper_J_K"])
+            power_W = self.omni["limits"]["supply_V"] ** 2 / self.resistance_ohm(k, T)
+            T += s / count * power_W / self.omni["heat"]["copper_J_K"]
         return T
 
     def duty(self, k, A, C):
@@ -168,7 +184,8 @@ class Again:
         b, nib = magnet["half_height_m"], magnet["tip_offset_m"] - magnet["half_height_m"]
 
         def centre(angle):  # distance of the magnet's centre at which the rim touches: |centre + rim| = R
-            x, y = magnet["radius_m"] * math.cos(angle) - b * math.sin(angle), -magnet["radius_m"] * math.sin(angle) - b * math.cos(angle)
+            x = magnet["radius_m"] * math.cos(angle) - b * math.sin(angle)
+            y = -magnet["radius_m"] * math.sin(angle) - b * math.cos(angle)
             return math.sqrt(R * R - x * x) - y
 
         low, high = 0.0, 1.0
@@ -180,7 +197,7 @@ class Again:
         return angle, centre(angle)
 
 
-# -- a reader of DXF -------------------------------------------------------------------------------------------------------
+# -- a reader of DXF --------------------------------------------------------------------------------------------------
 
 def read_dxf(text):
     """(kind, {code: value}) of every entity."""
@@ -206,13 +223,13 @@ class Drawings(unittest.TestCase):
         done = run("--check")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(sorted(path.name for path in DRAWN.iterdir()),
-                         sorted(["wiring.svg", *(f"{name}.{kind}" for name in SCALES for kind in ("svg", "dxf"))]))
+                         sorted([*(f"{name}.svg" for name in DRAWINGS), *(f"{name}.dxf" for name in SCALES)]))
 
     def test_sources_exist_and_values_are_theirs(self):
         raw, again = tables(), Again()
         listed = rows()
         self.assertGreater(len(listed), 150)
-        self.assertEqual({row[0] for row in listed}, {*SCALES, "wiring"})
+        self.assertEqual({row[0] for row in listed}, set(DRAWINGS))
         for drawing, name, value, formula in listed:
             keys = KEY.findall(formula)
             self.assertTrue(keys or "(" in formula, (drawing, name, formula))
@@ -220,11 +237,13 @@ class Drawings(unittest.TestCase):
                 reach(raw[table], steps(path))  # KeyError: there is no such key
             number, _, unit = value.partition(" ")
             wanted = again(formula) * {"mm": 1e3, "deg": 180 / math.pi, "": 1}[unit]
-            self.assertAlmostEqual(float(number), wanted, delta=max(6e-4, 1e-3 * abs(wanted) if "inductance" in formula else 0), msg=name)
+            delta = max(6e-4, 1e-3 * abs(wanted) if "inductance" in formula else 0)
+            self.assertAlmostEqual(float(number), wanted, delta=delta, msg=name)
 
     def test_each_key_changes_what_names_it(self):
         before = {(row[0], row[1]): (row[2], row[3]) for row in rows()}
-        keys = {(table, path) for _, formula in before.values() for table, path in KEY.findall(formula) if table in ("build", "marks")}
+        keys = {(table, path) for _, formula in before.values() for table, path in KEY.findall(formula)
+                if table in ("build", "marks", *CODE)}
         keys |= {("omni", ".hull.hull_radius_m"), ("omni", ".magnet.tip_offset_m"), ("omni", ".core.core_radius_m")}
         for table, path in sorted(keys):
             facts, way = drawings.Facts(DEVICE), steps(path)
@@ -236,7 +255,7 @@ class Drawings(unittest.TestCase):
                 node[way[-1]] = value * 1.01
             else:
                 setattr(node, way[-1], value * 1.01)
-            sheets = [draw(facts) for draw in drawings.DRAWINGS]
+            sheets = [drawing.draw(facts) for drawing in drawings.DRAWINGS]
             after = {(drawing, name): drawings.number(new) for s in sheets for drawing, name, new, _, _ in s.rows}
             for key, (before_it, formula) in before.items():
                 if table + path in formula and value != 0:
@@ -253,7 +272,7 @@ class Drawings(unittest.TestCase):
             self.assertIn("R37.5", (DRAWN / "hull.svg").read_text(encoding="utf-8"))
             stale = run("--check", "--from", source)
             self.assertEqual(stale.returncode, 1)
-            for name in ("hull.svg", "hull.dxf", "pen.svg", "sensors.svg"):
+            for name in ("hull.svg", "hull.dxf", "pen.svg", "sensors.svg", "set-up.svg"):
                 self.assertIn(name, stale.stderr)
             self.assertNotIn("coil-former", stale.stderr)
             self.assertEqual(run("--check", "--from", source, "--to", out).returncode, 0)
@@ -261,14 +280,16 @@ class Drawings(unittest.TestCase):
 
     def test_a_distance_that_is_not_its_formula_is_refused(self):
         facts = drawings.Facts(DEVICE)
-        view = drawings.Sheet(facts, "test", "test", 1, "").view(50, 50)
+        view = drawings.hull.Sheet(facts, "test", 1).view(50, 50)
         view.across("core", "2 * omni.core.core_radius_m", -15, 15, 0, 20)
         with self.assertRaisesRegex(ValueError, "core is 30 mm, but drawn as 31 mm"):
             view.across("core", "2 * omni.core.core_radius_m", -15, 16, 0, 20)
 
     def test_svg_is_xml_and_no_texts_overlap(self):
         for path in sorted(DRAWN.glob("*.svg")):
-            root = xml.fromstring(path.read_text(encoding="utf-8"))
+            text = path.read_text(encoding="utf-8")
+            root = xml.fromstring(text)
+            _, _, wide, high = map(float, root.get("viewBox").split())
             boxes = []
             for element in root.iter("{http://www.w3.org/2000/svg}text"):
                 x, y, size = (float(element.get(key)) for key in ("x", "y", "font-size"))
@@ -277,11 +298,28 @@ class Drawings(unittest.TestCase):
                 boxes.append((x, y - 0.75 * size, x + width, y + 0.2 * size, element.text))
             self.assertGreater(len(boxes), 15, path.name)
             for i, (left, top, right, bottom, words) in enumerate(boxes):
-                self.assertTrue(4 < left and right < SHEET[0] - 4 and 4 < top and bottom < SHEET[1] - 4, (path.name, words))
+                self.assertTrue(4 < left and right < wide - 4 and 4 < top and bottom < high - 4, (path.name, words))
                 for l, t, r, b, other in boxes[:i]:
                     self.assertFalse(left < r and l < right and top < b and t < bottom, (path.name, words, other))
-            self.assertIn('fill="#ffffff"', path.read_text(encoding="utf-8"))
-            self.assertIn("not built yet, simulated only", path.read_text(encoding="utf-8"))
+            self.assertIn('fill="#ffffff"', text)
+            self.assertIn(NOT_BUILT.get(path.stem, "not built yet, simulated only"), text)
+
+    def test_the_set_up_says_what_the_pages_say(self):
+        text = (DRAWN / "set-up.svg").read_text(encoding="utf-8")
+        for words, page, same in (("Other magnets: a metre away", "calibrate", "other magnets a metre away"),
+                                  (">450 mm in front of you<", "align", "0.45 m in front"),
+                                  (">350 mm<", "align", "0.35 m below")):
+            self.assertIn(words, text)
+            self.assertIn(same, " ".join((ROOT / f"docs/howto/{page}.md").read_text(encoding="utf-8").split()))
+
+    def test_the_pen_of_the_set_up_hovers(self):
+        """Its magnet is outside the hull and within the forces' reach."""
+        facts, set_up = drawings.Facts(DEVICE), drawings.set_up
+        polygons = [item for item in set_up.draw(facts).items if item[0] == "polygon"]
+        magnet = next(points for _, _, points, fill in polygons if fill == "accent")
+        for x, y in magnet:
+            up_mm = math.dist((x, y), set_up.CORE) / set_up.SCALE - facts.mm("omni.hull.hull_radius_m")
+            self.assertTrue(1 < up_mm < facts.mm("scene.kReach_m"), up_mm)
 
     def test_dxf_parses_and_lies_within_its_sheet(self):
         for name, scale in SCALES.items():
@@ -294,10 +332,12 @@ class Drawings(unittest.TestCase):
                 self.assertGreaterEqual(reach_mm, 0)
                 for code in (10, 20, 11, 21):
                     if code not in values:
-                        self.assertIn((kind, code), [(other, c) for other in ("CIRCLE", "ARC", "TEXT") for c in (11, 21)])
+                        self.assertIn(kind, ("CIRCLE", "ARC", "TEXT"))
+                        self.assertIn(code, (11, 21))
                         continue
                     number, limit = float(values[code]), SHEET[code // 20] / scale
-                    self.assertTrue(math.isfinite(number) and reach_mm <= number <= limit - reach_mm + 1e-3, (name, kind, values))
+                    self.assertTrue(math.isfinite(number) and reach_mm <= number <= limit - reach_mm + 1e-3,
+                                    (name, kind, values))
                 if kind == "ARC":
                     self.assertTrue(float(values[40]) > 0 and all(0 <= float(values[code]) < 360 for code in (50, 51)))
                 if kind == "TEXT":
@@ -305,8 +345,9 @@ class Drawings(unittest.TestCase):
 
     def test_dxf_has_the_size_of_the_part(self):
         omni = tables()["omni"]
-        radii = {name: [float(values[40]) for kind, values in read_dxf((DRAWN / f"{name}.dxf").read_text(encoding="utf-8"))[0]
-                        if kind in ("CIRCLE", "ARC")] for name in SCALES}
+        read = lambda name: read_dxf((DRAWN / f"{name}.dxf").read_text(encoding="utf-8"))[0]
+        radii = {name: [float(values[40]) for kind, values in read(name) if kind in ("CIRCLE", "ARC")]
+                 for name in SCALES}
         for name, value in (("hull", omni["hull"]["hull_radius_m"]), ("sensors", omni["hull"]["hull_radius_m"]),
                             ("pen", omni["hull"]["hull_radius_m"]), ("coil-former", omni["core"]["core_radius_m"])):
             self.assertIn(1e3 * value, radii[name], name)
@@ -318,8 +359,8 @@ class Drawings(unittest.TestCase):
         text = (DRAWN / "wiring.svg").read_text(encoding="utf-8")
         pin = lambda signal: re.search(rf"Signal::k{signal}, (\d+),", source)[1]
         for k in range(3):
-            for words in (f"PWM {pin(f'BridgePwm{k}')}, DIR {pin(f'BridgeDirection{k}')}", f"SLP {pin(f'BridgeAwake{k}')}",
-                          f"FLT {pin(f'CoilFault{k}')}, with ALERT"):
+            for words in (f"PWM {pin(f'BridgePwm{k}')}, DIR {pin(f'BridgeDirection{k}')}",
+                          f"SLP {pin(f'BridgeAwake{k}')}", f"FLT {pin(f'CoilFault{k}')}, with ALERT"):
                 self.assertIn(f">{words}<", text)
         self.assertIn(f">2: pin {pin('EmergencyStop')} to ground<", text)
 
@@ -332,7 +373,8 @@ class Drawings(unittest.TestCase):
             for layer in range(6):
                 arc = 2 * again.shell_m(k, layer) * math.asin(again.edge_m(k, layer) / again.shell_m(k, layer))
                 self.assertGreater(arc, again.turns_in(k, layer) * outer)
-        self.assertLess(again.omni["coils"][0]["shell_radius_max_m"], again.omni["hull"]["hull_radius_m"] - again.build["hull"]["wall_m"])
+        self.assertLess(again.omni["coils"][0]["shell_radius_max_m"],
+                        again.omni["hull"]["hull_radius_m"] - again.build["hull"]["wall_m"])
 
     def test_the_fuse_tells_a_short_from_work(self):
         again = Again()
@@ -342,7 +384,8 @@ class Drawings(unittest.TestCase):
             self.assertLess(carried, supply["fuse_hold_share"] * supply["fuse_A"])
             short = limits["supply_V"] / again.resistance_ohm(k, limits["temperature_max_C"])
             self.assertGreater(short, supply["fuse_share"] * supply["fuse_A"])
-            self.assertLess(again.hot_C(k, limits["temperature_max_C"], supply["fuse_open_s"]), again.build["wire"]["enamel_C"])
+            self.assertLess(again.hot_C(k, limits["temperature_max_C"], supply["fuse_open_s"]),
+                            again.build["wire"]["enamel_C"])
 
 
 class Page(unittest.TestCase):
@@ -374,21 +417,23 @@ class Page(unittest.TestCase):
             unit = match[2] or ""
             self.assertTrue(unit in self.UNITS or unit in self.PLAIN, (line, unit))
             numbers = match[1].split(" / ")
-            self.assertEqual(len(numbers), 3 if re.search(r"\bk\b(?! in)", re.sub(r"sum\(\[.*?\]\)", "", formula)) else 1, (line, formula))
+            per_coil = re.search(r"\bk\b(?! in)", re.sub(r"sum\(\[.*?\]\)", "", formula))
+            self.assertEqual(len(numbers), 3 if per_coil else 1, (line, formula))
             for k, written in enumerate(numbers):
                 value = again(formula, k) * self.UNITS.get(unit, 1)
                 digits = len(written.partition(".")[2])
                 step = 10.0 ** -digits
                 if digits == 0 and abs(value) >= 1000:
                     step = 10  # such numbers are rounded to tens
-                self.assertLessEqual(abs(float(written) - value), 0.51 * step + (2e-3 * abs(value) if "inductance" in formula else 1e-9),
+                allowed = 0.51 * step + (2e-3 * abs(value) if "inductance" in formula else 1e-9)
+                self.assertLessEqual(abs(float(written) - value), allowed,
                                      f"line {line}: {written} {unit} is {value:.5g} by {formula}")
 
     def test_links_and_lines(self):
         text = PAGE.read_text(encoding="utf-8")
         for target in re.findall(r"\]\(([^)#]+)(?:#[\w-]+)?\)", text):
             self.assertTrue((PAGE.parent / target).exists(), target)
-        for drawing in (*SCALES, "wiring"):
+        for drawing in DRAWINGS:
             self.assertIn(f"(../drawings/{drawing}.svg)", text)
         anchors = {re.sub(r"[^\w -]", "", line.lstrip("# ")).lower().replace(" ", "-") for line in text.splitlines()
                    if line.startswith("#")}
@@ -403,8 +448,9 @@ class Page(unittest.TestCase):
         names = re.findall(r'JudgeFaults\("(.+?)"|return \{"(.+?)", ', source)
         self.assertLessEqual({words.strip() for words in quoted}, {one or two for one, two in names})
         self.assertEqual(len(set(quoted)), 8)
-        faults = (ROOT / "firmware/wire/names.h").read_text(encoding="utf-8") + "".join(p.read_text(encoding="utf-8") for p in (ROOT / "firmware/wire").glob("names*.cc"))
-        for fault in ("supply low", "coil open", "driver fault", "current off its model", "current sensor", "fan stands", "emergency stop"):
+        faults = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "firmware/wire").glob("names*"))
+        for fault in ("supply low", "coil open", "driver fault", "current off its model", "current sensor",
+                      "fan stands", "emergency stop"):
             self.assertIn(f'"{fault}"', faults)
             self.assertIn(f"`{fault}`", PAGE.read_text(encoding="utf-8"))
 
