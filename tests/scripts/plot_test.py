@@ -2,6 +2,8 @@
 
 Exit status 77: not run, since the Python of scripts/plot has no matplotlib.
 """
+import glob
+import itertools
 import json
 import os
 import re
@@ -12,7 +14,11 @@ import unittest
 import xml.etree.ElementTree as xml
 
 PLOT = os.path.join(os.path.dirname(__file__), "..", "..", "scripts", "plot")
+IMAGES = os.path.join(os.path.dirname(__file__), "..", "..", "docs", "images")
 NOT_RUN = 77
+SVG = "{http://www.w3.org/2000/svg}"
+NARROW, NARROW_WIDTH, WIDTH = " .,:;'()fijlrt-", 0.38, 0.64  # letters, of a text's height
+ASCENT, DESCENT = 0.75, 0.2  # above and below the line
 LACKING = (None, float("nan"), float("inf"), "fast", True)  # what stands where a number should
 
 def interpreter():
@@ -31,15 +37,15 @@ def solver():
 
 def tracking():
     return document("tracking", [
-        {"model": "default", "noise": "UHP", "actuation_A": 4, "currents": "hidden", "calibrated": "self", "moving": True,
-         "room": True,
+        {"model": "default", "noise": "UHP", "actuation_A": 4, "currents": "hidden", "calibrated": "self",
+         "moving": True, "room": True,
          "mean_mm": 0.2, "p95_mm": 0.5, "max_mm": 1.1, "us_median": 1.234},
         {"model": "dipole", "noise": "none", "actuation_A": 0, "mean_mm": 3, "p95_mm": 6, "max_mm": 9}])
 
 def stability():
     return document("stability", [], offered=[
-        {"noise_mm": noise_mm, "delay_ms": delay_ms, "offered_N_m": 900 / (1 + delay_ms), "start_N_m": 600 / (1 + delay_ms),
-         "fixed_good_N_m": 400} for noise_mm in (0, 0.02, 0.1, 0.3, 1) for delay_ms in (0, 1, 5)])
+        {"noise_mm": noise_mm, "delay_ms": delay_ms, "offered_N_m": 900 / (1 + delay_ms),
+         "start_N_m": 600 / (1 + delay_ms)} for noise_mm in (0, 0.02, 0.1, 0.3, 1) for delay_ms in (0, 1, 5)])
 
 def collision():
     return document("collision", [
@@ -74,8 +80,8 @@ def paper():
         {"direction": direction, "series": series, "of_text": series == "numbers in the text", "current_A": current_A,
          "force_N": 0.1 * current_A} for direction in ("radial", "tangential")
         for series in ("numbers in the text", "twin, fitted geometry") for current_A in (-15, 15)], decay_curve=[
-        {"gap_mm": mm, "paper_law_N": 2 - 0.06 * mm, "twin_radial_N": 2 - 0.05 * mm, "twin_tangential_N": 2 - 0.055 * mm,
-         "ours_radial_N": 2 - 0.05 * mm} for mm in (0, 10, 30)], heat_in_the_text=[
+        {"gap_mm": mm, "paper_law_N": 2 - 0.06 * mm, "twin_radial_N": 2 - 0.05 * mm,
+         "twin_tangential_N": 2 - 0.055 * mm, "ours_radial_N": 2 - 0.05 * mm} for mm in (0, 10, 30)], heat_in_the_text=[
         {"run": "15 A for 25 s", "time_s": 65, "body_C": 39}], heat_curves=[
         {"run": run, "time_s": s, "body_C": 24 + 0.1 * s, "copper_C": 24 + s}
         for run in ("15 A for 25 s", "5 A for 15 min") for s in (0, 1, 2)], magnet_of_the_paper=[
@@ -85,28 +91,31 @@ def paper():
 
 # Picture -> what must stand in it: axis labels with units, and names of series.
 WORDS = {
-    "solver": (solver, "median time of a solve, us", "position error, mm rms", "omni, warm", "ceres-analytic, cold",
-               "dipole", "simulation"),
-    "tracking": (tracking, "position error, mm", "mean", "95 %", "worst", "simulation",
-                 "default, UHP, ±4 A hidden, calibrated: self, moving, in a room, 1.23 us", "dipole, none"),
-    "stability": (stability, "whole lag, ms", "stiffness, N/m", "offered", "simple rule", "stiffest unpredicted",
-                  "noise 0 mm", "noise 0.02 mm", "noise 0.1 mm", "noise 0.3 mm", "noise 1 mm", "simulation"),
-    "collision": (collision, "triangles", "median time, us", "omni-proxy", "bullet", "10,000"),
-    "deformable": (deformable, "median time of a tick, us", "neo-Hookean, %", "omni", "study-projective", "588", "1871"),
-    "layer": (layer, "asked for so long ahead, ms", "position error, mm", "extrusion, layer", "free strokes, layer",
-              "the newest pose, held", "simulation"),
-    "align": (align, "predicted error, mm", "true error, mm", "touch, median", "touch, 95 %", "sweep, median",
-              "error = predicted", "simulation"),
-    "fig6-tracking": (paper, "distance to the truth, mm", "share of the poses per 0.5 mm, %", "paper's method,", "our mean,",
-                      "paper's mean,", "no actuation", "+-4 A saw-tooth", "simulation"),
-    "fig8-forces": (paper, "I_z, A", "I_x or I_y, A", "force, N", "numbers in the text", "twin, fitted geometry",
-                    "simulation"),
+    "solver": (solver, "median time of a solve, us", "error, mm rms", "omni, default", "omni, dipole",
+               "ceres-analytic, full", "0.18", "simulation"),
+    "tracking": (tracking, "position error, mm", "● mean, ○ 95 %, ◆ worst", "simulation",
+                 "pen moving, low noise, default model, own calibration, in a room, ±4 A hidden",
+                 "pen at rest, no noise, dipole model, 0 A"),
+    "stability": (stability, "lag, ms", "stiffness, N/m", "allowed", "simple rule", "from 900 to 150 N/m", "0 mm",
+                  "0.02 mm", "0.1 mm", "0.3 mm", "1 mm", "simulation"),
+    "collision": (collision, "triangles", "median time, us", "omni-proxy takes 0.1 us on 1,000 triangles", "bullet",
+                  "10,000"),
+    "deformable": (deformable, "median time of a tick, us", "neo-Hookean, %", "a tick of 1 kHz", "omni, 1,871",
+                   "projective, 588", "takes 0.3 us", "1.3 %"),
+    "layer": (layer, "horizon, ms", "position error, mm", "extrusion", "free strokes", "within 2.0 mm", "simulation"),
+    "align": (align, "predicted error, mm", "true error, mm", "touch", "sweep", "filled: median, hollow: 95 %",
+              "error = predicted", "is 0.9 to 0.9 times", "simulation"),
+    "fig6-tracking": (paper, "distance to the truth, mm", "poses per 0.5 mm, %", "paper's mean 4.9 mm",
+                      "our mean 0.2 mm", "the paper's method on the twin", "no actuation", "+-4 A saw-tooth",
+                      "simulation"),
+    "fig8-forces": (paper, "I_z, A", "I_x or I_y, A", "force, N", "numbers in the paper's text",
+                    "twin, fitted geometry", "simulation"),
     "decay": (paper, "gap, mm", "force, N", "paper's law", "twin, radial", "twin, tangential", "ours, radial",
-              "numbers in the text", "simulation"),
-    "fig9-heat": (paper, "time, s", "temperature, °C", "twin, body", "twin, copper of", "15 A for 25 s", "5 A for 15 min",
+              "numbers in the paper's text", "simulation"),
+    "fig9-heat": (paper, "time, s", "temperature, °C", "body", "copper", "15 A for 25 s", "5 A for 15 min",
                   "simulation"),
-    "fig5-magnets": (paper, "magnet radius, mm", "magnet height, mm", "net lift, N", "paper's magnet", "maximum",
-                     "the same volume", "simulation"),
+    "fig5-magnets": (paper, "magnet radius, mm", "magnet height, mm", "net lift, N", "paper's magnet", "best",
+                     "volume of the paper's magnet", "simulation"),
 }
 MAKERS = tuple(dict.fromkeys(entry[0] for entry in WORDS.values()))
 NO_TWIN = ("collision", "deformable")
@@ -115,8 +124,52 @@ def marks_of(svg):
     """How often a marker or another shape is used."""
     return len(re.findall(r"<use ", svg))
 
+def plain(element):
+    return "".join(element.itertext()).replace("\u00a0", " ")
+
 def texts_of(svg):
-    return ["".join(element.itertext()) for element in xml.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")]
+    """The texts, those of more lines joined."""
+    return [" ".join(plain(text) for text in group.iter(SVG + "text")) for group in groups_of(svg, "text_")]
+
+def groups_of(svg, kind):
+    return [group for group in xml.fromstring(svg).iter(SVG + "g") if group.get("id", "").startswith(kind)]
+
+def box_of(text):
+    """left, top, right, bottom of a text."""
+    style = text.get("style")
+    height = float(re.search(r"([\d.]+)px", style)[1])
+    anchor = re.search(r"text-anchor: (\w+)", style)
+    width = height * sum(NARROW_WIDTH if letter in NARROW else WIDTH for letter in plain(text))
+    before = {"middle": width / 2, "end": width}.get(anchor and anchor[1], 0)
+    x, y = map(float, re.search(r"(?:translate\(|rotate\(\S+ )(\S+) ([^)]+)\)", text.get("transform")).groups())
+    if "rotate(-90" in text.get("transform", ""):
+        return x - ASCENT * height, y - width + before, x + DESCENT * height, y + before
+    return x - before, y - ASCENT * height, x - before + width, y + DESCENT * height
+
+def overlap(one, other):
+    return min(one[2], other[2]) > max(one[0], other[0]) and min(one[3], other[3]) > max(one[1], other[1])
+
+def layout_faults(svg):
+    """Texts that lie on each other or beyond the sheet."""
+    root = xml.fromstring(svg)
+    _, _, width, height = map(float, root.get("viewBox").split())
+    boxes = [(plain(text), box_of(text)) for text in root.iter(SVG + "text")]
+    faults = [f"{text} is beyond the sheet" for text, (left, top, right, bottom) in boxes
+              if min(left, top) < 0 or right > width or bottom > height]
+    return faults + [f"{one} and {other} overlap" for (one, first), (other, second) in itertools.combinations(boxes, 2)
+                     if overlap(first, second)]
+
+def axis_faults(svg):
+    """Axes marked with numbers that have no label with a unit."""
+    faults = []
+    for axis in groups_of(svg, "matplotlib.axis_"):
+        marks, labels = ([plain(text) for group in axis if re.match(kind, group.get("id", ""))
+                          for text in group.iter(SVG + "text")] for kind in ("[xy]tick_", "text_"))
+        label = " ".join(labels)
+        numbers = any(re.fullmatch(r"[−-]?[\d.,]+", mark) for mark in marks)
+        if numbers and not re.fullmatch(r".+, [^ ,]+|triangles", label):
+            faults.append(f"the axis with {', '.join(marks)} is named {label or 'nothing'}")
+    return faults
 
 class PlotTest(unittest.TestCase):
     drawn = None
@@ -176,9 +229,50 @@ class PlotTest(unittest.TestCase):
         for make in MAKERS:
             self.assertEqual(set(self.draw(make())), {name for name, entry in WORDS.items() if entry[0] is make})
 
-    def test_names_stand_once_in_a_legend(self):
-        lines = texts_of(self.draw(layer())["layer"])
-        self.assertEqual(lines.count("free strokes, layer"), 1)
+    def test_texts_neither_overlap_nor_leave_the_sheet(self):
+        for name, svg in self.all_pictures().items():
+            self.assertEqual(layout_faults(svg), [], name)
+
+    def test_axes_have_labels_with_units(self):
+        for name, svg in self.all_pictures().items():
+            self.assertEqual(axis_faults(svg), [], name)
+
+    def test_a_colour_map_has_a_bar_with_a_unit(self):
+        svg = self.all_pictures()["fig5-magnets"]
+        bars = [axes for axes in groups_of(svg, "axes_") if "net lift, N" in map(plain, axes.iter(SVG + "text"))]
+        self.assertEqual(len(bars), len(groups_of(svg, "QuadMesh_")))
+        self.assertEqual(len(bars), 2)
+
+    def test_pictures_of_the_documents_are_legible(self):
+        paths = glob.glob(os.path.join(IMAGES, "bench-*.svg")) + glob.glob(os.path.join(IMAGES, "paper", "*.svg"))
+        self.assertEqual(len(paths), len(WORDS))
+        for path in paths:
+            with open(path, encoding="utf-8") as file:
+                svg = file.read()
+            self.assertEqual(layout_faults(svg) + axis_faults(svg), [], path)
+
+    def test_faults_of_the_layout_are_found(self):
+        text = '<text style="font: 10px x; text-anchor: {}" transform="translate({} 20)">words</text>'
+        for texts, fault in ((text.format("start", 90), "words is beyond the sheet"),
+                             (text.format("middle", 40) + text.format("end", 50), "words and words overlap")):
+            svg = f'<svg xmlns="{SVG[1:-1]}" viewBox="0 0 100 50">{texts}</svg>'
+            self.assertEqual(layout_faults(svg), [fault])
+        axis = f'<svg xmlns="{SVG[1:-1]}"><g id="matplotlib.axis_1"><g id="xtick_1"><text>5</text></g>{{}}</g></svg>'
+        self.assertEqual(len(axis_faults(axis.format('<g id="text_1"><text>time</text></g>'))), 1)
+        self.assertEqual(axis_faults(axis.format('<g id="text_1"><text>time, s</text></g>')), [])
+
+    def test_a_title_says_what_the_rows_say(self):
+        content = solver()
+        content["rows"].append({**content["rows"][2], "start": "warm", "us_median": 7})
+        lines = texts_of(self.draw(content)["solver"])
+        self.assertIn("Our warm solve takes 1.1 us, the fastest peer of that accuracy 7 us (simulation)", lines)
+
+    def test_what_all_rows_of_a_panel_share_is_its_title(self):
+        content = tracking()
+        content["rows"].append({**content["rows"][0], "actuation_A": 0})
+        lines = texts_of(self.draw(content)["tracking"])
+        for part in ("pen moving, low noise, default model, own calibration, in a room", "±4 A hidden", "0 A"):
+            self.assertIn(part, lines)
 
     def test_other_meshes_are_not_on_the_line(self):
         rows = collision()
@@ -191,7 +285,7 @@ class PlotTest(unittest.TestCase):
     def test_dots_are_drawn(self):
         content = solver()
         before = marks_of(self.draw(content)["solver"])
-        content["rows"].append({"method": "omni", "model": "full", "start": "warm", "us_median": 9, "rms_mm": 0.2})
+        content["rows"].append({"method": "omni", "model": "default", "start": "warm", "us_median": 9, "rms_mm": 0.2})
         self.assertEqual(marks_of(self.draw(content)["solver"]), before + 1)
 
     def test_what_is_no_number_is_left_out(self):
