@@ -24,13 +24,14 @@ after(async () => {
 
 // A hand in real time, on a machine that draws with its processor: what slips is tried again, as a person does.
 function scenario(name, run) {
-  test(name, async () => {
+  test(name, async (t) => {
     for (let attempt = 1; ; ++attempt) {
       try {
         await run();
         return;
       } catch (error) {
         if (attempt === 3) throw error;
+        t.diagnostic(`attempt ${attempt}: ${error.message}`);
       } finally {
         await visitor.release();
       }
@@ -43,7 +44,7 @@ scenario('clay is pressed, taken hold of and pulled', async () => {
   await visitor.until('scene-state', (text) => /extrusion.*ready/.test(text), 'the scene is ready');
   await visitor.until('strokes', (text) => text === '0 strokes', 'the clay is as it came');
   visitor.highest = 0.056;
-  await visitor.pressOn('block', { held: true }); // of a pen that rests for 1.2 s it lets go
+  await visitor.pressOn('block', { held: true });
   for (let i = 0; i < 10; ++i) {
     await visitor.lower(-3);
     await visitor.page.waitForTimeout(30);
