@@ -177,7 +177,10 @@ void FlushBeforeDeath() { LogQueue::Flush(LogQueue::kEndWait_ms); }
 }  // namespace
 
 LogQueue::LogQueue(const std::string& level) : state_(std::make_shared<State>()) {
-  const bool in_colour = isatty(STDERR_FILENO) == 1 && spdlog::details::os::is_color_terminal();
+  // [no-color.org]
+  const char* const no_colour = secure_getenv("NO_COLOR");
+  const bool in_colour = isatty(STDERR_FILENO) == 1 && spdlog::details::os::is_color_terminal() &&
+                         (no_colour == nullptr || *no_colour == 0);
   state_->out.Reset(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
   if (!state_->out) state_->out.Reset(open("/dev/null", O_WRONLY | O_CLOEXEC));  // started without one
   output_before_ = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);

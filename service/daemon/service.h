@@ -38,7 +38,7 @@ struct ServiceOptions {
   double hull_radius_m = 0;
   std::string cache_folder;               // of built scenes; empty: none
   config::CalibrationChoice calibration;  // until SetCalibration
-  std::uint32_t soft_tets = SceneBuilder::kSoftTets;
+  std::uint32_t soft_tets = scene::kSoftTets;
   std::string hand = "auto";               // "left", "right": of applications whose file names none
   std::string alignment_path;              // where bases stand in headsets' spaces; empty: nothing is stored
   std::function<void(bool)> on_aligned{};  // control thread: whether the owner's headset has a measured placement

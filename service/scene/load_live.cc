@@ -5,11 +5,11 @@
 #include <utility>
 
 #include "service/haptics/live/make_live.h"
-#include "service/scene/load_soft_body.h"
 
 namespace omni::scene {
 
-LiveReport LoadLive(haptics::Scene& scene, CacheStore* cache, std::uint32_t soft_tets) {
+LiveReport LoadLive(haptics::Scene& scene, CacheStore* cache, std::uint32_t soft_tets,
+                    const std::function<bool(double done)>& progress) {
   const auto start = std::chrono::steady_clock::now();
   LiveReport report;
   haptics::LivePlan plan = haptics::MakeLive(scene);
@@ -20,6 +20,8 @@ LiveReport LoadLive(haptics::Scene& scene, CacheStore* cache, std::uint32_t soft
     const haptics::Material& material = scene.materials()[haptics::MainMaterial(scene, object)];
     haptics::SoftBodyOptions options = haptics::SoftOptionsOf(material);
     options.lattice.max_tets = soft_tets;
+    const double before = static_cast<double>(&index - plan.soft.data()), all = static_cast<double>(plan.soft.size());
+    if (progress) options.progress = [&, before, all](double done) { return progress((before + done) / all); };
     SoftLoadReport soft;
     auto body = LoadSoftBody(haptics::MeshOf(scene, index), options, cache, soft);
     if (!body.ok()) {

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "service/haptics/scene.h"
 #include "service/scene/cache/cache_store.h"
+#include "service/scene/load_soft_body.h"
 
 namespace omni::scene {
 
@@ -18,8 +20,10 @@ struct LiveReport {
 };
 
 // Gives `scene` what haptics/live/make_live.h plans, soft bodies included. Seconds to minutes unless these are in the
-// cache; `cache` may be null. Equal scenes get equal parts, from the cache or not. An object whose part cannot be made
-// stays as it was, with a line. `soft_tets`: of a soft body, at most, [100, 400000]; the default is the service's.
-LiveReport LoadLive(haptics::Scene& scene, CacheStore* cache, std::uint32_t soft_tets = 2000);
+// cache; `cache` may be null; `progress` is called now and then with 0 ... 1, and false ends it. Equal scenes get equal
+// parts, from the cache or not. An object whose part cannot be made stays as it was, with a line. `soft_tets`: of a
+// soft body, at most, [100, 400000].
+LiveReport LoadLive(haptics::Scene& scene, CacheStore* cache, std::uint32_t soft_tets = kSoftTets,
+                    const std::function<bool(double done)>& progress = {});
 
 }  // namespace omni::scene

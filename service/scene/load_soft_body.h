@@ -1,6 +1,7 @@
 // A soft body for an object of a scene: taken from the cache, or built and kept there.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "service/haptics/deformable/build/build_soft_body.h"
@@ -8,6 +9,8 @@
 #include "service/scene/cache/cache_store.h"
 
 namespace omni::scene {
+
+inline constexpr std::uint32_t kSoftTets = 2000;  // most tetrahedra, in the service and in tools
 
 struct SoftLoadReport {
   haptics::SoftBuildReport build;  // zeros if it was taken from the cache, but for `bytes` and `surface_nodes`

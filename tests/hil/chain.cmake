@@ -41,6 +41,12 @@ if(UMOCKDEV_FOUND AND LIBUSB_FOUND AND NOT OMNI_SANITIZE)
   add_dependencies(test_hil_scenarios omni_hil omnid hil_app)
   omni_hil_test(calibrate TIMEOUT 300 DEPS omni_support omni_tools nlohmann_json::nlohmann_json)
   add_dependencies(test_hil_calibrate omni_hil omni)
+
+  add_executable(hil_person hil_person.cc)
+  target_link_libraries(hil_person PRIVATE omni_support omni_tools)
+  target_compile_definitions(hil_person PRIVATE OMNI_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  omni_hil_test(setup TIMEOUT 300 WITHOUT HilSetupLong.* DEPS omni_support omni_tools nlohmann_json::nlohmann_json)
+  add_dependencies(test_hil_setup omni_hil omni omnid hil_person)
 endif()
 
 # omni_deep: a base on a USB port of an emulated computer (scripts/test --deep).

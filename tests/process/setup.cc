@@ -32,7 +32,8 @@ class Person {
   std::string Path(const std::string& below) const { return folder_.Path(below); }
   void Write(const std::string& below, const std::string& text) const { folder_.Write(below, text); }
 
-  Ran Setup(const std::vector<std::string>& words, const std::string& answers = "") const {
+  Ran Setup(const std::vector<std::string>& words, const std::string& answers = "",
+            const std::string& more_environment = "OMNI_TEST=1") const {
     std::string command = "exec \"$0\" setup \"$@\" 2>&1 <'" + folder_.Write("answers", answers) + "'";
     std::vector<std::string> all{"/bin/sh", "-c", command, OMNI_BINARY_DIR "/bin/omni"};
     all.insert(all.end(), words.begin(), words.end());
@@ -41,7 +42,7 @@ class Person {
         {"HOME=" + folder_.Path("home"), "XDG_CONFIG_HOME=" + folder_.Path("home/config"),
          "XDG_DATA_HOME=" + folder_.Path("home/data"), "OMNI_SOCKET=" + folder_.Path("run/omnid.sock"),
          "XDG_CACHE_HOME=" + std::string(OMNI_BINARY_DIR) + "/tests/setup_cache",
-         "XDG_RUNTIME_DIR=", "DBUS_SESSION_BUS_ADDRESS=", "COLUMNS="},
+         "XDG_RUNTIME_DIR=", "DBUS_SESSION_BUS_ADDRESS=", "COLUMNS=", more_environment},
         folder_.Path("said"));
     if (!child.ok()) return {-1, child.error()};
     Ran ran;
@@ -172,6 +173,17 @@ TEST(ProcessSetup, TheUsersOwnInputsStay) {
   ExpectSays(undone, "is not of omni setup");
   std::ifstream in(person.Path("home/config/omni/inputs.toml"));
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), mine);
+}
+
+// With a systemctl that knows omnid.socket and cannot enable it.
+TEST(ProcessSetup, SystemdThatRefusesIsNamed) {
+  const Person person;
+  person.Write("bin/systemctl", "#!/bin/sh\n[ \"$2\" = cat ] || { echo 'Failed to connect to bus' >&2; exit 1; }\n");
+  fs::permissions(person.Path("bin/systemctl"), fs::perms::owner_all);
+  const Ran ran = person.Setup({"start", "--yes"}, "", "PATH=" + person.Path("bin") + ":/usr/bin:/bin");
+  EXPECT_EQ(ran.status, 1) << ran.text;
+  ExpectSays(ran, "Failed to connect to bus");
+  ExpectSays(ran, "\"Start with your session\" failed");
 }
 
 TEST(ProcessSetup, WhatCannotBeTakenBackIsRefused) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/process/program.h"
@@ -59,6 +60,20 @@ class OnTerminals : public testing::Test {
 TEST_F(OnTerminals, HelpOfEveryProgramFits) {
   for (const char* program : {"omnid", "omni-twin", "omni-bench", "scene_render", "omni_hil"}) {
     if (std::filesystem::exists(BinaryPath(program))) ExpectFits({BinaryPath(program), "--help"}, environment());
+  }
+}
+
+// [no-color.org]
+TEST_F(OnTerminals, LogIsColouredUnlessNoColorIsSet) {
+  std::filesystem::create_directories(folder_.Path("run"));
+  std::filesystem::permissions(folder_.Path("run"), std::filesystem::perms::owner_all);
+  const Words words{"/usr/bin/timeout", "--foreground", "1", BinaryPath("omnid"), "--device", "twin"};
+  for (const auto& [setting, coloured] : {std::pair("NO_COLOR=", true), std::pair("NO_COLOR=1", false)}) {
+    Words with = environment();
+    with.emplace_back(setting);
+    const Ran ran = RunOnTerminal(words, 80, with);
+    EXPECT_NE(ran.out.find("SIMULATION"), std::string::npos) << ran.out;
+    EXPECT_EQ(ran.out.find("\033[") != std::string::npos, coloured) << setting << ": " << ran.out;
   }
 }
 

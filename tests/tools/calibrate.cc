@@ -14,6 +14,7 @@
 #include "service/tools/calibrate/calibrate_kept.h"
 #include "service/tools/calibrate/calibrate_text.h"
 #include "service/tools/calibrate/calibrate_twin.h"
+#include "service/tools/common/progress.h"
 #include "service/tools/twin/hand_path.h"
 #include "tests/support/process/omni_command.h"
 #include "tests/support/process/scoped_variable.h"
@@ -136,6 +137,15 @@ TEST(ToolsCalibrate, ShowsProgressCoverageAndResult) {
   EXPECT_EQ(ProgressBar(0.5, 10), "[#####.....]  50 %");
   EXPECT_EQ(ProgressBar(-1, 4), "[....]   0 %");
   EXPECT_EQ(ProgressBar(7, 4), "[####] 100 %");
+  TimeLeft left;
+  EXPECT_EQ(left.Text(0, 10), "");
+  EXPECT_EQ(left.Text(0.2, 10.9), "") << "too early";
+  EXPECT_EQ(left.Text(0.25, 12), ", about 6 s left");
+  EXPECT_EQ(left.Text(0.5, 18), ", about 8 s left");
+  EXPECT_EQ(left.Text(0.5, 60), ", about 50 s left");
+  EXPECT_EQ(left.Text(1, 60), "");
+  EXPECT_EQ(left.Text(0.1, 61), "") << "something else has begun";
+  EXPECT_EQ(left.Text(0.2, 63), ", about 8 s left");
   calibration::Coverage coverage;
   EXPECT_EQ(CoverageText(coverage), "...... ...... ...... ......");
   coverage.Add({0.001, 0.0001, 0.1});

@@ -12,7 +12,7 @@
 #include "service/console/wrap.h"
 #include "service/tools/align/align_probe.h"
 #include "service/tools/align/align_text.h"
-#include "service/tools/calibrate/calibrate_text.h"
+#include "service/tools/common/progress.h"
 #include "service/tools/common/terminal.h"
 #include "service/tools/common/text_output.h"
 
@@ -53,9 +53,12 @@ class AlignDisplay {
       std::fflush(stdout);
       text_ = text;
       line_.clear();
+      left_ = {};
     }
     if (!live_ || session.step() == AlignStep::kDone) return;
-    const std::string line = ProgressBar(session.progress(), kAlignBarWidth) + "  " + session.hint();
+    const double t_s = 1e-9 * static_cast<double>(base::MonotonicNow_ns());
+    const std::string line =
+        ProgressBar(session.progress(), kAlignBarWidth) + left_.Text(session.progress(), t_s) + "  " + session.hint();
     if (line == line_) return;
     line_ = line;
     std::printf("\r\033[K     %.*s", std::max(0, console::SizeOfTerminal().columns - 6), line.c_str());
@@ -71,6 +74,7 @@ class AlignDisplay {
  private:
   bool live_ = CanDraw();
   std::string text_, line_;
+  TimeLeft left_;
 };
 
 // Selects the hand or finger among the probe's poses.

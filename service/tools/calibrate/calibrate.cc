@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "service/base/clock.h"
 #include "service/base/files/whole_file.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/files/device_file.h"
@@ -26,6 +27,7 @@
 #include "service/tools/calibrate/calibrate_zero.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
+#include "service/tools/common/progress.h"
 #include "service/tools/common/terminal.h"
 
 namespace omni::tools {
@@ -58,6 +60,7 @@ class Display {
       std::printf("%s\n", session.Instruction().c_str());
       step_ = session.step_number();
       percent_ = -1;
+      left_ = {};
     }
     const int percent = static_cast<int>(100 * session.progress());
     if (!live_ || percent == percent_ || session.done()) return;
@@ -68,14 +71,17 @@ class Display {
  private:
   static constexpr int kNone = -1;
 
-  void Draw(double progress, const std::function<std::string(int step)>& beside) const {
-    std::printf("\r     %s%s", ProgressBar(progress, kBarWidth).c_str(), beside ? beside(step_).c_str() : "");
+  void Draw(double progress, const std::function<std::string(int step)>& beside) {
+    const std::string left = left_.Text(progress, 1e-9 * static_cast<double>(base::MonotonicNow_ns()));
+    std::printf("\r\033[K     %s%s%s", ProgressBar(progress, kBarWidth).c_str(), beside ? beside(step_).c_str() : "",
+                left.c_str());
     std::fflush(stdout);
   }
 
   bool live_ = CanDraw();
   int step_ = kNone;
   int percent_ = -1;
+  TimeLeft left_;
 };
 
 // The hemisphere while the pen goes round it.

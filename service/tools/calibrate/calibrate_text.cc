@@ -50,13 +50,6 @@ std::string StepText(CalibrationStep step, const SessionOptions& options) {
   return "Computing.";
 }
 
-std::string ProgressBar(double progress, int width) {
-  const double share = std::clamp(progress, 0.0, 1.0);
-  const auto full = static_cast<std::size_t>(share * width);
-  return "[" + std::string(full, '#') + std::string(static_cast<std::size_t>(width) - full, '.') +
-         Format("] %3.0f %%", 100 * share);
-}
-
 std::string CoverageText(const calibration::Coverage& coverage) {
   std::string text;
   for (int band = calibration::kCoverageBands - 1; band >= 0; --band) {

@@ -14,8 +14,6 @@ namespace omni::tools {
 
 // Instruction for the current step, one line.
 std::string StepText(CalibrationStep step, const SessionOptions& options);
-// "[#####.....]  52 %".
-std::string ProgressBar(double progress, int width);
 // The upper hemisphere from above, the rim outside: one character per cell, '.' where the pen has not been, in one line
 // per band from the top down.
 std::string CoverageText(const calibration::Coverage& coverage);

@@ -6,6 +6,7 @@
 #include "service/config/paths.h"
 #include "service/config/scene_name.h"
 #include "service/scene/load_scene.h"
+#include "service/tools/common/progress.h"
 
 namespace omni::tools {
 
@@ -25,7 +26,7 @@ base::Result<LoadedScene> LoadLiveScene(const std::string& path, const scene::Lo
   base::Result<LoadedScene> loaded = LoadScene(path, options);
   if (!loaded.ok()) return loaded;
   scene::CacheStore cache(config::CacheFolder());
-  loaded->live = scene::LoadLive(loaded->scene, &cache);
+  loaded->live = scene::LoadLive(loaded->scene, &cache, scene::kSoftTets, ProgressOnTerminal("soft bodies"));
   return loaded;
 }
 

@@ -10,6 +10,7 @@
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
 #include "service/tools/common/files.h"
+#include "service/tools/common/progress.h"
 #include "service/tools/common/statistics.h"
 #include "service/tools/track/track_device.h"
 #include "service/tools/track/track_magnet16.h"
@@ -150,7 +151,8 @@ int RunTrack(const TrackArguments& arguments) {
   }
   const auto currents = CurrentsOf(arguments, *loaded);
   if (!currents.ok()) return Fail("omni track", currents.error());
-  const auto rows = TrackRecording(loaded->array, loaded->recording, {.currents = *currents});
+  const auto rows = TrackRecording(loaded->array, loaded->recording,
+                                   {.currents = *currents, .progress = ProgressOnTerminal("tracked")});
   if (!rows.ok()) return Fail("omni track", rows.error());
   std::printf("device           %s, %zu sensors\n", loaded->array.device.c_str(), loaded->array.sensors.size());
   PrintFits(*rows, *currents);

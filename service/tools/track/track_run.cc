@@ -16,6 +16,7 @@ namespace {
 
 using base::Vec3;
 
+constexpr std::size_t kRowsShown = 16;  // between two updates of the progress
 constexpr double kSamePosition_m = 1e-5, kSameTurn_rad = 1e-2 * std::numbers::pi / 180;
 
 double Angle_rad(const Vec3& a, const Vec3& b) {
@@ -149,6 +150,9 @@ base::Result<std::vector<TrackedRow>> TrackRecording(const base::Calibration& ar
     before.reset();
     if (row.warm.found) before = warm.pose;
     rows.push_back(std::move(row));
+    const bool shown = options.progress && rows.size() % kRowsShown == 0;
+    if (shown && !options.progress(static_cast<double>(rows.size()) / static_cast<double>(recording.poses.size())))
+      break;
   }
   return rows;
 }

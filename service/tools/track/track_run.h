@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,8 @@ enum class TrackCurrents { kMeasured, kHidden };
 
 struct TrackOptions {
   TrackCurrents currents = TrackCurrents::kMeasured;
-  double chi2_max = 80;  // gate at 19 degrees of freedom, scaled to others
+  double chi2_max = 80;                       // gate at 19 degrees of freedom, scaled to others
+  std::function<bool(double done)> progress;  // called now and then with 0 ... 1; false: no further row
 };
 
 struct TrackedPose {

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,6 +26,7 @@
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
 #include "service/tools/common/json_text.h"
+#include "service/tools/common/progress.h"
 #include "service/tools/common/text_output.h"
 #include "service/tools/recordings/report.h"
 #include "service/tools/scene/scene_source.h"
@@ -32,6 +34,8 @@
 
 namespace omni::tools {
 namespace {
+
+constexpr double kTicksShown = 500;  // between two updates of the progress
 
 struct RunArguments {
   std::string scene;
@@ -150,8 +154,11 @@ int RunTwin(const RunArguments& arguments) {
                                     .recording_path = recording.path()},
                                    seconds);
   std::vector<TrackedPosition> tracked;
+  const std::function<bool(double)> progress = ProgressOnTerminal("run");
+  double ticks = 0;
   const daemon::VirtualRunSummary summary =
       daemon::RunVirtual(*tick, *twin, loaded->scene, {}, [&](const base::HallScan& scan, const loop::TickOutput& out) {
+        if (progress && std::fmod(++ticks, kTicksShown) == 0) progress(1e-3 * ticks / seconds);
         if (out.tool.status != base::TrackingStatus::kTracking) return;
         const auto& C = out.tool.covariance;
         tracked.push_back({static_cast<double>(scan.t_ns), out.tool.position_base_m, std::sqrt(C[0] + C[6] + C[12])});
