@@ -4,6 +4,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -11,6 +13,8 @@
 #include "service/tools/common/statistics.h"
 #include "service/tools/recordings/report.h"
 #include "service/tools/recordings/run_picture.h"
+#include "service/tools/recordings/scene_drawing.h"
+#include "service/tools/scene/scene_source.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::tools {
@@ -132,6 +136,26 @@ TEST_F(RunReportTest, PictureIsSvgWithEscapedTextAndNoNan) {
   EXPECT_NE(svg.find("</svg>"), std::string::npos);
   EXPECT_NE(svg.find("a&lt;b&amp;c"), std::string::npos);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
+}
+
+// Of a closed body that bulges everywhere, what is seen faces the viewer; further triangles come first.
+TEST(SceneDrawing, OnlyWhatIsSeenIsDrawnTheFurthestFirst) {
+  const auto loaded = LoadScene(std::string(OMNI_SOURCE_DIR) + "/scenes/extrusion.glb", {}, false);
+  ASSERT_TRUE(loaded.ok()) << loaded.error();
+  const SceneView top{.centre_m = {}, .right = {1, 0, 0}, .up = {0, 1, 0}, .half_m = 0.055};
+  const std::vector<DrawnTriangle> seen = SeenTriangles(loaded->scene, top, 396);
+  EXPECT_GT(seen.size(), 100U);
+  EXPECT_LT(seen.size(), loaded->scene.triangles().size());
+  double before_m = -1;
+  for (const DrawnTriangle& triangle : seen) {
+    const auto& c = triangle.corners_m;
+    EXPECT_GT(base::Cross(c[1] - c[0], c[2] - c[0]).z, -1e-9) << "it faces away";
+    EXPECT_GE(triangle.brightness, 0.4);
+    EXPECT_LE(triangle.brightness, 1.0 + 1e-9);
+    const double height_m = c[0].z + c[1].z + c[2].z;
+    EXPECT_GE(height_m, before_m);
+    before_m = height_m;
+  }
 }
 
 TEST(Statistics, QuantileUsesNearestRankAndIsNanWhenEmpty) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 
+#include "service/tools/common/text_output.h"
+#include "service/tools/recordings/scene_drawing.h"
 #include "service/tools/recordings/svg.h"
 
 namespace omni::tools {
@@ -12,35 +14,32 @@ namespace {
 constexpr double kScale_px_m = 3600;  // views: 100 mm = 360 px
 constexpr double kView_m = 0.11;      // width and height of a view
 constexpr std::size_t kPathStride = 8;
-constexpr std::size_t kMaxDrawnTriangles = 4000;  // of the scene's silhouette
 
 double ForceAt(const CsvTable& loop, std::size_t i) {
   return std::hypot(loop["force_x_N"][i], loop["force_y_N"][i], loop["force_z_N"][i]);
 }
 
-// A view along one axis: maps metres in B to pixels.
+// A view along one axis, at a place of the picture.
 struct View {
   double left_px, top_px;
-  double centre_u_m, centre_v_m;  // middle of the view
-  std::function<double(const base::Vec3&)> u, v;
+  SceneView seen;
 
   SvgPoint operator()(const base::Vec3& p) const {
-    return {left_px + (kView_m / 2 + u(p) - centre_u_m) * kScale_px_m,
-            top_px + (kView_m / 2 - v(p) + centre_v_m) * kScale_px_m};
+    const base::Vec3 from = p - seen.centre_m;
+    return {left_px + (kView_m / 2 + base::Dot(from, seen.right)) * kScale_px_m,
+            top_px + (kView_m / 2 - base::Dot(from, seen.up)) * kScale_px_m};
   }
 };
 
 void DrawScene(Svg& svg, const View& view, const haptics::Scene& scene) {
   if (scene.empty()) return;
-  const auto triangles = scene.triangles();
-  const std::size_t stride = 1 + triangles.size() / kMaxDrawnTriangles;
-  for (std::size_t i = 0; i < triangles.size(); i += stride) {
+  for (const DrawnTriangle& triangle : SeenTriangles(scene, view.seen, static_cast<int>(kView_m * kScale_px_m))) {
     std::vector<SvgPoint> corners;
-    for (const std::uint32_t index : triangles[i].vertex) {
-      const haptics::Vertex& vertex = scene.vertices()[index];
-      corners.push_back(view({vertex.x, vertex.y, vertex.z}));
-    }
-    svg.Polygon(corners, "fill=\"#b9c4d0\" fill-opacity=\"0.45\"");
+    for (const base::Vec3& corner : triangle.corners_m) corners.push_back(view(corner));
+    const auto shade = [&](double full) { return static_cast<int>(std::lround(full * triangle.brightness)); };
+    const std::string colour = Printed("#%02x%02x%02x", shade(214), shade(224), shade(235));
+    // The line closes the gaps between neighbours.
+    svg.Polygon(corners, ("fill=\"" + colour + "\" stroke=\"" + colour + "\" stroke-width=\"0.4\"").c_str());
   }
 }
 
@@ -64,7 +63,7 @@ void DrawView(Svg& svg, const View& view, const std::string& title, const RunDat
           std::to_string(view.left_px) + "\" y=\"" + std::to_string(view.top_px) + "\" width=\"" +
           std::to_string(size_px) + "\" height=\"" + std::to_string(size_px) + "\"/></clipPath>");
   svg.Raw("<g clip-path=\"url(#c" + std::to_string(static_cast<int>(view.left_px)) + ")\">");
-  const SvgPoint centre = view({});
+  const SvgPoint centre = view(base::Vec3{});
   svg.Circle(centre.x, centre.y, hull_radius_m * kScale_px_m, "fill=\"#f3efe6\" stroke=\"#a08b5b\"");
   DrawScene(svg, view, scene);
   DrawPath(svg, view, data.loop);
@@ -129,8 +128,8 @@ std::string DrawRun(const RunReport& report, const RunData& data, const haptics:
                 report.tracking.mean_mm, report.tracking.p95_mm, static_cast<unsigned long long>(report.contact_ticks),
                 report.peak_force_N, static_cast<unsigned long long>(report.select_edges));
   svg.Text(20, 44, title, "fill=\"#444\"");
-  const View side{20, 60, 0, 0.045, [](const base::Vec3& p) { return p.x; }, [](const base::Vec3& p) { return p.z; }};
-  const View top{440, 60, 0, 0, [](const base::Vec3& p) { return p.x; }, [](const base::Vec3& p) { return p.y; }};
+  const View side{20, 60, {{0, 0, 0.045}, {1, 0, 0}, {0, 0, 1}, kView_m / 2}};
+  const View top{440, 60, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, kView_m / 2}};
   DrawView(svg, side, "side view (x right, z up); red: force on the tip", data, scene, hull_radius_m);
   DrawView(svg, top, "top view (x right, y up)", data, scene, hull_radius_m);
 
