@@ -126,6 +126,30 @@ TEST(Json, CommandsThatPrintFactsPrintJsonWithoutAServiceToo) {
   }
 }
 
+TEST(Names, ThatAreNotUtf8Work) {
+  const TempFolder folder;
+  const std::string home = folder.Path("h\xffome"), model = folder.Path("\xfe.glb");
+  std::filesystem::create_directories(home);
+  std::filesystem::copy_file(OMNI_BINARY_DIR "/share/omni/scenes/extrusion.glb", model);
+  const Words environment{"HOME=" + home, "XDG_DATA_HOME=", "XDG_CONFIG_HOME=", "XDG_CACHE_HOME="};
+  const auto omni = [&](const Words& more) {
+    Words words{BinaryPath("omni")};
+    words.insert(words.end(), more.begin(), more.end());
+    return RunProgram(words, environment);
+  };
+  EXPECT_EQ(omni({"layer", "enable"}).status, 0);
+  const std::string manifest = home + "/.local/share/openxr/1/api_layers/implicit.d/XrApiLayer_omni.json";
+  EXPECT_TRUE(std::filesystem::exists(manifest));
+  EXPECT_EQ(omni({"layer", "disable"}).status, 0);
+  EXPECT_FALSE(std::filesystem::exists(manifest));
+  for (const Words& words :
+       {Words{"scene", "explain", model, "--json"}, {"scene", "cache", "--json"}, {"setup", "--json"}}) {
+    const Ran ran = omni(words);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    EXPECT_FALSE(nlohmann::json::parse(ran.out, nullptr, false).is_discarded()) << ran.out;
+  }
+}
+
 // With a bad file on its command line omnid ends at once: no socket, no device, no recording.
 TEST(ExitStatus, OmnidExitsBeforeStartingWhenAFileIsInvalid) {
   const TempFolder folder;
