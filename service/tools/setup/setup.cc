@@ -1,4 +1,5 @@
 // omni setup: from plugging in to feeling a force, step by step.
+#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -79,6 +80,7 @@ int Setup(const SetupArguments& arguments) {
   }
   const auto run = SetupRun::Start(arguments.rehearse, arguments.yes);
   if (!run.ok()) return Fail(kSetupCommand, run.error());
+  std::cout << std::unitbuf;  // what is said is read at once, through a pipe too
   if (arguments.rehearse)
     Print("REHEARSAL: everything is simulated by the digital twin, and nothing of yours is changed.\n");
   if (arguments.undo) {
