@@ -3,9 +3,11 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "service/base/clock.h"
@@ -75,10 +77,36 @@ std::optional<Heard> Listen(const std::string& said, std::size_t begin) {
   return first;
 }
 
+// Brings the pen over the base, and then leaves it to `omni twin hand`, which waits until it sees one.
+class Touching {
+ public:
+  Touching(const char* scene, std::string hand) : scene_(scene), hand_(std::move(hand)), link_(hand_) {}
+
+  void Step(const std::string& log) {
+    if (child_) return;
+    if (link_ && link_->Connect()) link_->Send({.tip_base_m = {0, 0, kBring_m}});
+    if (base::MonotonicNow_ns() - begin_ns_ < kBring_ns) return;
+    link_.reset();
+    auto child =
+        test::ChildProcess::Start({OMNI_BINARY_DIR "/bin/omni", "twin", "hand", scene_, "--hand", hand_}, {}, log);
+    if (child.ok()) child_.emplace(std::move(*child));
+  }
+
+ private:
+  static constexpr double kBring_m = 0.09;
+  static constexpr std::int64_t kBring_ns = 1'500'000'000;
+
+  const char* scene_;
+  std::string hand_;
+  std::optional<client::HandLink> link_;
+  std::int64_t begin_ns_ = base::MonotonicNow_ns();
+  std::optional<test::ChildProcess> child_;  // ended with this object
+};
+
 int Main(const std::string& file, const std::string& hand) {
-  client::HandLink link(hand);
+  std::optional<client::HandLink> link;
   std::optional<Playing> playing;
-  std::optional<test::ChildProcess> touching;
+  std::unique_ptr<Touching> touching;
   std::size_t read = 0;
   for (;; std::this_thread::sleep_for(kLook)) {  // until omni_hil ends us
     std::ifstream in(file);
@@ -86,16 +114,17 @@ int Main(const std::string& file, const std::string& hand) {
     if (const std::optional<Heard> heard = Listen(said, read)) {
       read = heard->end;
       playing.reset();
+      link.reset();
       touching.reset();
       if (heard->cue->scene == nullptr) {
+        link.emplace(hand);
         playing.emplace(tools::MakeCalibratingHand(config::DefaultDevice(), {}));
       } else {
-        auto child = test::ChildProcess::Start(
-            {OMNI_BINARY_DIR "/bin/omni", "twin", "hand", heard->cue->scene, "--hand", hand}, {}, file + ".hand");
-        if (child.ok()) touching.emplace(std::move(*child));
+        touching = std::make_unique<Touching>(heard->cue->scene, hand);
       }
     }
-    if (playing && link.Connect()) link.Send(playing->Now());
+    if (playing && link->Connect()) link->Send(playing->Now());
+    if (touching) touching->Step(file + ".hand");
   }
 }
 
