@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kEarly_s = 1, kEarly = 0.05;  // before both, any estimate would be a guess
 constexpr int kTerminalBar = 30;
+constexpr double kUpdate_s = 0.1;
 
 double Now_s() { return 1e-9 * static_cast<double>(base::MonotonicNow_ns()); }
 
@@ -43,6 +44,7 @@ std::function<bool(double done)> ProgressOnTerminal(const std::string& what) {
     std::string what;
     TimeLeft left;
     bool shown = false;
+    double next_s = 0;
     ~Line() {
       if (shown) std::fprintf(stderr, "\r\033[K");
     }
@@ -50,9 +52,12 @@ std::function<bool(double done)> ProgressOnTerminal(const std::string& what) {
   const auto line = std::make_shared<Line>(Line{.what = what, .left = {}});
   line->left.Text(0, Now_s());
   return [line](double done) {
+    const double now_s = Now_s();
+    if (now_s < line->next_s) return true;
     std::fprintf(stderr, "\r\033[K%s %s%s", line->what.c_str(), ProgressBar(done, kTerminalBar).c_str(),
-                 line->left.Text(done, Now_s()).c_str());
+                 line->left.Text(done, now_s).c_str());
     line->shown = true;
+    line->next_s = now_s + kUpdate_s;
     return true;
   };
 }

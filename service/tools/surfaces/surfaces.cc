@@ -149,11 +149,12 @@ int PrintSurfaces(const SurfacesArguments& arguments) {
     std::this_thread::sleep_for(kReadPeriod);
   }
   if (!counter.view().connected) return NoSurfaceService(arguments, counter);
-  if (arguments.as_json && counter.view().answered) {
-    PrintJson(SurfacesJson(counter.view()));
-  } else {
+  if (!arguments.as_json) {
     std::cout << SurfacesText(counter.view());
+    return kExitOk;
   }
+  if (!counter.view().answered) return FailWith(true, "omni surfaces", "omnid has not answered in time; try again");
+  PrintJson(SurfacesJson(counter.view()));
   return kExitOk;
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <system_error>
 #include <thread>
@@ -14,6 +15,7 @@
 #include "service/scene/glb_save.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/files.h"
+#include "service/tools/common/progress.h"
 #include "service/tools/common/terminal.h"
 #include "service/tools/common/text_output.h"
 
@@ -126,8 +128,11 @@ int SaveLargest(const SurfacesSaveArguments& arguments) {
   PublishedReader reader(arguments.socket);
   PublishedSurfaces best;
   const std::int64_t begin_ns = base::MonotonicNow_ns();
+  const std::function<bool(double)> progress = ProgressOnTerminal("watching");
   while (!EndSignals::asked() && !reader.gone()) {
-    if (static_cast<double>(base::MonotonicNow_ns() - begin_ns) * 1e-9 >= arguments.seconds) break;
+    const double elapsed_s = static_cast<double>(base::MonotonicNow_ns() - begin_ns) * 1e-9;
+    if (elapsed_s >= arguments.seconds) break;
+    if (progress) progress(elapsed_s / arguments.seconds);
     const bool news = reader.Read();
     if (!reader.was_connected() && reader.refused()) break;
     const bool larger = reader.surfaces().LargestDisplacement_m() > best.LargestDisplacement_m();
