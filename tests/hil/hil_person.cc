@@ -87,8 +87,8 @@ class Touching {
     if (link_ && link_->Connect()) link_->Send({.tip_base_m = {0, 0, kBring_m}});
     if (base::MonotonicNow_ns() - begin_ns_ < kBring_ns) return;
     link_.reset();
-    auto child =
-        test::ChildProcess::Start({OMNI_BINARY_DIR "/bin/omni", "twin", "hand", scene_, "--hand", hand_}, {}, log);
+    auto child = test::ChildProcess::Start(
+        {std::string(OMNI_BINARY_DIR) + "/bin/omni", "twin", "hand", scene_, "--hand", hand_}, {}, log);
     if (child.ok()) child_.emplace(std::move(*child));
   }
 

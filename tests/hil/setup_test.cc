@@ -29,7 +29,7 @@ class HilSetup : public testing::Test {
   }
 
   // `omni setup WORDS` with a person's answers, one a line; its exit status.
-  int Setup(const std::string& words, const std::string& answers) {
+  int RunSetup(const std::string& words, const std::string& answers) {
     const std::string bin = OMNI_BINARY_DIR "/bin/";
     folder_.Write("answers", answers);
     fs::remove(folder_.Path("said"));
@@ -50,8 +50,8 @@ class HilSetup : public testing::Test {
     if (person_) all.insert(all.end(), {"--", bin + "hil_person", Path("said"), Path("run/hand.sock")});
     auto started = test::ChildProcess::Start(
         all, {"HOME=" + Path("home"), "XDG_CONFIG_HOME=" + Path("home/config"), "XDG_DATA_HOME=" + Path("home/data"),
-              "XDG_CACHE_HOME=" OMNI_BINARY_DIR "/tests/setup_cache", "OMNI_SOCKET=" + Path("run/omnid.sock"),
-              "XDG_RUNTIME_DIR=", "DBUS_SESSION_BUS_ADDRESS=", "COLUMNS="});
+              "XDG_CACHE_HOME=" + std::string(OMNI_BINARY_DIR) + "/tests/setup_cache",
+              "OMNI_SOCKET=" + Path("run/omnid.sock"), "XDG_RUNTIME_DIR=", "DBUS_SESSION_BUS_ADDRESS=", "COLUMNS="});
     if (!started.ok()) {
       ADD_FAILURE() << started.error();
       return -1;
@@ -78,25 +78,25 @@ class HilSetup : public testing::Test {
 
 // The steps that take no time.
 TEST_F(HilSetup, FindsAndTestsTheBase) {
-  EXPECT_EQ(Setup("device", ""), 0) << Said();
+  EXPECT_EQ(RunSetup("device", ""), 0) << Said();
   ExpectSaid("done: base omni on USB port 1-1");
-  EXPECT_EQ(Setup("selftest", "n\n"), 0) << Said();
+  EXPECT_EQ(RunSetup("selftest", "n\n"), 0) << Said();
   ExpectSaid("skipped: `omni device selftest` does it later");
-  EXPECT_EQ(Setup("selftest", "y\n"), 0) << Said();
+  EXPECT_EQ(RunSetup("selftest", "y\n"), 0) << Said();
   ExpectSaid("done: the base passes its own test");
 }
 
 TEST_F(HilSetup, ABaseThatFailsItsTestIsNotUsed) {
   folder_.Write("hand.json", R"({"name": "pen beside a sensor", "repeat": false, "waypoints": [
     {"s": 0, "tip_m": [0.0, 0.045, -0.04], "axis": [0, 0, -1]}]})");
-  EXPECT_EQ(Setup("selftest", "y\nq\n"), 1) << Said();
+  EXPECT_EQ(RunSetup("selftest", "y\nq\n"), 1) << Said();
   ExpectSaid("FAIL  Hall sensors saturated: ");
   ExpectSaid("take the pen and other magnets away");
   ExpectSaid("\"Test the base\" failed, see above; `omni setup selftest` tries it again");
 }
 
 TEST_F(HilSetup, AHeadsetThatIsNotThereIsNamed) {
-  EXPECT_EQ(Setup("align", "y\nq\n"), 1) << Said();
+  EXPECT_EQ(RunSetup("align", "y\nq\n"), 1) << Said();
   ExpectSaid("FAILED: nothing was stored; docs/howto/align.md lists other methods");
 }
 
@@ -105,7 +105,7 @@ using HilSetupLong = HilSetup;
 
 TEST_F(HilSetupLong, GoesFromNothingToAForce) {
   // Self-test: yes. Align: no headset. Hand: right. Layer: yes.
-  const int status = Setup("", "y\nn\nright\ny\n");
+  const int status = RunSetup("", "y\nn\nright\ny\n");
   EXPECT_EQ(status, 0) << Said();
   ExpectSaid("done: the base passes its own test");
   ExpectSaid("done: calibrated: " + Path("home/config/omni/calibration.toml"));
@@ -122,7 +122,7 @@ TEST_F(HilSetupLong, GoesFromNothingToAForce) {
 TEST_F(HilSetupLong, StepsThatWaitForThePenEndAndSayWhatIsMissing) {
   person_ = false;
   for (const char* step : {"calibrate", "inputs", "scenes"}) {
-    EXPECT_EQ(Setup(step, std::string(step) == "inputs" ? "right\nq\n" : "q\n"), 1) << Said();
+    EXPECT_EQ(RunSetup(step, std::string(step) == "inputs" ? "right\nq\n" : "q\n"), 1) << Said();
     ExpectSaid("FAILED: ");
     ExpectSaid("`omni setup " + std::string(step) + "` tries it again");
     std::printf("%s\n", Said().c_str());

@@ -121,8 +121,9 @@ TEST(ProcessSetup, NothingOutlivesAKilledSetup) {
     }
     return count;
   };
-  auto setup = ChildProcess::Start({OMNI_BINARY_DIR "/bin/omni", "setup", "scenes", "--rehearse", "--yes"},
-                                   {"HOME=" + person.Path("home"), "XDG_RUNTIME_DIR=" + person.Path("")}, log);
+  auto setup =
+      ChildProcess::Start({std::string(OMNI_BINARY_DIR) + "/bin/omni", "setup", "scenes", "--rehearse", "--yes"},
+                          {"HOME=" + person.Path("home"), "XDG_RUNTIME_DIR=" + person.Path("")}, log);
   ASSERT_TRUE(setup.ok()) << setup.error();
   const auto wait_for = [&](const std::function<bool()>& reached) {
     for (int i = 0; i < 600 && !reached(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -76,7 +76,7 @@ TEST(ToolsCalibrateZero, CorrectsIndependentSensorDrift) {
 }
 
 TEST(ToolsCalibrateZero, RejectsNearbyMagnetsAndChangingReadings) {
-  const base::TruthParameters truth = config::RoomTwin();
+  const base::TruthParameters& truth = config::RoomTwin();
   const base::Calibration before = CalibratedIn(truth);
   const auto expect = [&](const base::TruthParameters& in, const sim::HandScript& hand, const char* words) {
     const auto zeroed = ZeroIn(in, before, hand);
