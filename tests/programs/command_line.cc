@@ -106,7 +106,7 @@ TEST(Json, CommandsThatPrintFactsPrintJsonWithoutAServiceToo) {
               {{"scene", "explain", "extrusion", "--no-cache"}, 0},
               {{"scene", "explain", "/no/such/file"}, 1},
               {{"replay", "/no/such/file"}, 1},
-              {{"twin", "run", "extrusion", "--ideal", "--seconds", "0.5"}, -1},
+              {{"twin", "run", "extrusion", "--as-drawn", "--seconds", "0.2"}, -1},
               {{"device", "list"}, -1},
               {{"device", "info", "no such serial"}, 1}};
   for (const auto& row : rows) {
