@@ -72,7 +72,7 @@ class HilSetup : public testing::Test {
   }
 
   const test::TempFolder folder_;
-  bool person_ = true;  // somebody moves the pen
+  bool person_ = true;  // one who moves the pen
   nlohmann::json summary_;
 };
 
@@ -118,7 +118,7 @@ TEST_F(HilSetupLong, GoesFromNothingToAForce) {
               summary_.value("device_s", 0.0));
 }
 
-// Nobody moves the pen.
+// Without a person at the pen.
 TEST_F(HilSetupLong, StepsThatWaitForThePenEndAndSayWhatIsMissing) {
   person_ = false;
   for (const char* step : {"calibrate", "inputs", "scenes"}) {

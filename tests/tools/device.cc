@@ -39,6 +39,15 @@ void ExpectHas(const std::string& text, std::initializer_list<const char*> parts
 
 bool Yes() { return true; }
 
+// Its fan stands, coil 1 is warm, and it has kept a fault.
+void AddBaseWithAFault(FakeUsbBus& bus) {
+  FakeUsbBus::Entry& entry = bus.Add("A17");
+  entry.base.keeps_fault = true;
+  entry.base.state = wire::State::kFault;
+  entry.base.faults = wire::kFaultFan;
+  entry.base.telemetry.temperature[1] = 4210;
+}
+
 TEST(ToolsDevice, ListShowsEveryBase) {
   FakeUsbBus bus;
   bus.Add("A17", "1-1");
@@ -63,11 +72,7 @@ TEST(ToolsDevice, EveryCommandFailsWithOneLineWithoutABase) {
 
 TEST(ToolsDevice, InfoShowsFaultsWithAdviceAndKeptFault) {
   FakeUsbBus bus(true);
-  FakeUsbBus::Entry& entry = bus.Add("A17");
-  entry.base.keeps_fault = true;
-  entry.base.state = wire::State::kFault;
-  entry.base.faults = wire::kFaultFan;
-  entry.base.telemetry.temperature[1] = 4210;
+  AddBaseWithAFault(bus);
   const Done done = Do([&](std::ostream& out) { return DeviceInfo(bus, "", false, out); });
   EXPECT_EQ(done.status, kExitOk) << done.err;
   ExpectHas(done.out, {"A17 at port 1-1", "1.2; speaks protocol 1 to 1", "15.00 A per coil", "42.1", "18.00 V",
@@ -77,11 +82,7 @@ TEST(ToolsDevice, InfoShowsFaultsWithAdviceAndKeptFault) {
 
 TEST(ToolsDevice, JsonHasTheFactsOfTheText) {
   FakeUsbBus bus(true);
-  FakeUsbBus::Entry& entry = bus.Add("A17");
-  entry.base.keeps_fault = true;
-  entry.base.state = wire::State::kFault;
-  entry.base.faults = wire::kFaultFan;
-  entry.base.telemetry.temperature[1] = 4210;
+  AddBaseWithAFault(bus);
   const auto list = nlohmann::json::parse(Do([&](std::ostream& out) { return DeviceList(bus, true, out); }).out);
   ASSERT_EQ(list.size(), 1U);
   EXPECT_EQ(list[0]["serial"], "A17");

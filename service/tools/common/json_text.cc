@@ -24,13 +24,15 @@ std::string TextAt(const json& document, const char* pointer, int digits) {
   return text;
 }
 
+void WriteJson(std::ostream& out, const nlohmann::ordered_json& document) {
+  out << document.dump(2, ' ', false, json::error_handler_t::replace) << "\n";
+}
+
 void PrintJson(const json& document) {
   std::cout << document.dump(2, ' ', false, json::error_handler_t::replace) << "\n";
 }
 
-void PrintJson(const nlohmann::ordered_json& document) {
-  std::cout << document.dump(2, ' ', false, json::error_handler_t::replace) << "\n";
-}
+void PrintJson(const nlohmann::ordered_json& document) { WriteJson(std::cout, document); }
 
 int FailWith(bool as_json, const std::string& command, const std::string& error, int status) {
   if (as_json) PrintJson(json{{"error", error}});

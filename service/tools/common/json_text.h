@@ -2,6 +2,7 @@
 // base/files/json_values.h.
 #pragma once
 
+#include <iosfwd>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
@@ -18,7 +19,10 @@ using base::TrueAt;
 // The value at a JSON pointer ("/tick/count") as text for people; numbers with `digits` after the point.
 std::string TextAt(const nlohmann::json& document, const char* pointer, int digits = 0);
 
-// To stdout, indented. Names come from other programs: invalid UTF-8 is replaced.
+// Indented. Names come from other programs: invalid UTF-8 is replaced.
+void WriteJson(std::ostream& out, const nlohmann::ordered_json& document);
+
+// The same to stdout.
 void PrintJson(const nlohmann::json& document);
 void PrintJson(const nlohmann::ordered_json& document);
 

@@ -5,6 +5,7 @@
 
 #include "service/console/wrap.h"
 #include "service/tools/common/command_line.h"
+#include "service/tools/common/json_text.h"
 #include "service/tools/common/service_link.h"
 #include "service/tools/device/device_command.h"
 #include "service/tools/device/device_held.h"
@@ -43,7 +44,7 @@ struct Output {
 
   void Show(const ordered_json& facts, const std::string& text) const {
     if (as_json) {
-      out << facts.dump(2, ' ', false, ordered_json::error_handler_t::replace) << "\n";
+      WriteJson(out, facts);
     } else {
       out << console::ForPeople(text);
     }
@@ -94,7 +95,10 @@ int DeviceInfo(device::UsbBus& bus, const std::string& serial, bool as_json, std
     return kExitOk;
   }
   const base::Result<device::UsbProbe> probe = device::ProbeUsbBase(bus, *base, {});
-  if (!probe.ok()) return output.Failed(probe.error());
+  if (!probe.ok()) {
+    if (!as_json) output.Show({}, text);  // what is known of it
+    return output.Failed(probe.error());
+  }
   facts["now"] = DeviceLiveJson(*probe);
   output.Show(facts, text + DeviceLiveText(*probe));
   return kExitOk;

@@ -11,8 +11,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kResistanceUnit_ohm = 1e-4;  // of wire::Telemetry
-
 template <class Count>
 ordered_json Scaled(const Count (&counts)[wire::kCoils], double unit) {
   ordered_json values = ordered_json::array();

@@ -10,7 +10,6 @@
 namespace omni::tools {
 namespace {
 
-constexpr double kResistanceUnit_mohm = 0.1;  // of wire::Telemetry
 constexpr double kTelemetryRate_Hz = 1000;
 constexpr double kTelemetryTolerance = 0.05;
 
@@ -134,7 +133,7 @@ std::string DeviceLiveText(const device::UsbProbe& probe) {
   text += Titled("supply", Printed("%.2f V", now.supply * wire::kSupplyUnit_V));
   text += Titled("currents", ThreeCounts(now.current[wire::kStepsPerTick - 1], wire::kCurrentUnit_A, "%.3f") + " A");
   text += Titled("coils", ThreeCounts(now.temperature, wire::kTemperatureUnit_K, "%.1f") + " C, " +
-                              ThreeCounts(now.resistance, kResistanceUnit_mohm, "%.1f") + " mohm");
+                              ThreeCounts(now.resistance, 1e3 * kResistanceUnit_ohm, "%.1f") + " mohm");
   text += Titled("board", Printed("%.1f C, fan %u rpm", now.board_temperature * wire::kTemperatureUnit_K, now.fan_rpm));
   text += Titled("faults", FaultNames(now.faults));
   for (const wire::FaultText& fault : wire::Faults()) {
@@ -154,7 +153,7 @@ std::vector<SelfTestRow> JudgeSelfTest(const device::UsbProbe& probe) {
                       wire::kFaultCoilOpen | wire::kFaultCoilShort | wire::kFaultModel | wire::kFaultOverTemperature |
                           wire::kFaultOverCurrent | wire::kFaultDriver | wire::kFaultCurrentSensor,
                       ThreeCounts(now.temperature, wire::kTemperatureUnit_K, "%.1f") + " C, " +
-                          ThreeCounts(now.resistance, kResistanceUnit_mohm, "%.1f") + " mohm"),
+                          ThreeCounts(now.resistance, 1e3 * kResistanceUnit_ohm, "%.1f") + " mohm"),
           JudgeFaults("fan", probe, wire::kFaultFan, Printed("%u rpm", now.fan_rpm)),
           JudgeFaults("own test", probe, wire::kFaultSelfTest | wire::kFaultWatchdog | wire::kFaultInternal,
                       std::string("state ") + wire::StateName(now.state)),

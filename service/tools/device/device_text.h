@@ -10,6 +10,8 @@
 
 namespace omni::tools {
 
+inline constexpr double kResistanceUnit_ohm = 1e-4;  // of wire::Telemetry
+
 struct ListedBase {
   device::UsbBase base;
   std::string firmware;  // "0.1"; empty: unknown

@@ -10,6 +10,7 @@
 
 #include "service/base/clock.h"
 #include "service/client/connection.h"
+#include "service/console/wrap.h"
 #include "service/protocol/socket_path.h"
 #include "service/tools/common/json_text.h"
 #include "service/tools/common/service_link.h"
@@ -52,8 +53,7 @@ bool SetupRun::Ask(const std::string& question) const { return Choose(question, 
 
 std::string SetupRun::Choose(const std::string& question, const std::vector<std::string>& answers,
                              const std::string& at_end) const {
-  std::string listed;
-  for (const std::string& answer : answers) listed += (listed.empty() ? "" : "/") + answer;
+  const std::string listed = console::Joined(answers, "/");
   for (;;) {
     std::cout << question << " [" << listed << "] " << std::flush;
     if (yes_) {
@@ -71,9 +71,7 @@ std::string SetupRun::Choose(const std::string& question, const std::vector<std:
 }
 
 int SetupRun::Omni(const std::vector<std::string>& words) const {
-  std::cout << "$ omni";
-  for (const std::string& word : words) std::cout << " " << word;
-  std::cout << std::endl;
+  std::cout << "$ omni " << console::Joined(words, " ") << std::endl;
   base::Result<ChildProgram> child = ChildProgram::Start("omni", words, "");
   if (child.ok()) return child->Wait();
   std::cerr << child.error() << "\n";
