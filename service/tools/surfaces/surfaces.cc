@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "service/base/clock.h"
 #include "service/client/connection.h"
 #include "service/client/surface_reader.h"
