@@ -9,6 +9,7 @@
 #include "service/config/paths.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
+#include "service/tools/common/json_text.h"
 #include "service/tools/common/text_output.h"
 #include "service/tools/doctor/doctor_text.h"
 

@@ -4,6 +4,8 @@
 #include <memory>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "service/base/clock.h"
 #include "service/config/files/device_file.h"
 #include "service/monitor/monitor.h"
