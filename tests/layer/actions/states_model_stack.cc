@@ -220,11 +220,10 @@ void StackScenario::MoveInputs() {
     if (index == InputIndex::kDocked && Chance(70)) continue;
     const bool axis = index == InputIndex::kThumbstickX || index == InputIndex::kThumbstickY;
     const float value = 0.1f * static_cast<float>(axis ? Below100() % 21 - 10 : Below100() % 11);
-    service_.Set(index, value);
     protocol::InputValue& input = sync_.inputs.components[static_cast<std::size_t>(index)];
     input.press_count += input.value <= 0.5f && value > 0.5f;
     input.release_count += input.value > 0.5f && value <= 0.5f;
-    input.t_change_ns = Now_ns() + kRuntimeOffset_ns;
+    input.t_change_ns = service_.Set(index, value) + kRuntimeOffset_ns;
     input.value = value;
   }
   const char* const side = Chance(50) ? "left" : "right";

@@ -54,12 +54,13 @@ FakeService::FakeService() : placement_(InFrontOfLocal()) {
 
 FakeService::~FakeService() { server_->Stop(); }
 
-void FakeService::Set(protocol::InputIndex index, float value) {
+std::int64_t FakeService::Set(protocol::InputIndex index, float value) {
   protocol::InputValue& input = inputs_.components[static_cast<std::size_t>(index)];
   if (input.value <= 0.5f && value > 0.5f) ++input.press_count;
   if (input.value > 0.5f && value <= 0.5f) ++input.release_count;
   input.value = value;
   input.t_change_ns = Now_ns();
+  return input.t_change_ns;
 }
 
 void FakeService::Fill() {

@@ -59,8 +59,8 @@ class FakeService : private ipc::ServerHandler {
   ~FakeService() override;
 
   void SetTrajectory(Trajectory trajectory) { trajectory_ = std::move(trajectory); }
-  // A component moves now.
-  void Set(protocol::InputIndex index, float value);
+  // A component moves now. Returns that time, of CLOCK_MONOTONIC.
+  std::int64_t Set(protocol::InputIndex index, float value);
 
   // The force properties that it reports from now on, to every client.
   void SetForce(bool available, protocol::ForceStanding standing);
