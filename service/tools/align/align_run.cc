@@ -56,9 +56,8 @@ class AlignDisplay {
       left_ = {};
     }
     if (!live_ || session.step() == AlignStep::kDone) return;
-    const double t_s = 1e-9 * static_cast<double>(base::MonotonicNow_ns());
     const std::string line =
-        ProgressBar(session.progress(), kAlignBarWidth) + left_.Text(session.progress(), t_s) + "  " + session.hint();
+        ProgressBar(session.progress(), kAlignBarWidth) + left_.Text(session.progress()) + "  " + session.hint();
     if (line == line_) return;
     line_ = line;
     std::printf("\r\033[K     %.*s", std::max(0, console::SizeOfTerminal().columns - 6), line.c_str());

@@ -7,7 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "service/base/clock.h"
 #include "service/base/files/whole_file.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/files/device_file.h"
@@ -72,7 +71,7 @@ class Display {
   static constexpr int kNone = -1;
 
   void Draw(double progress, const std::function<std::string(int step)>& beside) {
-    const std::string left = left_.Text(progress, 1e-9 * static_cast<double>(base::MonotonicNow_ns()));
+    const std::string left = left_.Text(progress);
     std::printf("\r\033[K     %s%s%s", ProgressBar(progress, kBarWidth).c_str(), beside ? beside(step_).c_str() : "",
                 left.c_str());
     std::fflush(stdout);

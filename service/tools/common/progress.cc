@@ -38,6 +38,8 @@ std::string TimeLeft::Text(double progress, double t_s) {
   return Printed(", about %.0f s left", std::max(1.0, std::ceil(left_s / step_s)) * step_s);
 }
 
+std::string TimeLeft::Text(double progress) { return Text(progress, Now_s()); }
+
 std::function<bool(double done)> ProgressOnTerminal(const std::string& what) {
   if (::isatty(STDERR_FILENO) != 1) return {};
   struct Line {
@@ -50,7 +52,7 @@ std::function<bool(double done)> ProgressOnTerminal(const std::string& what) {
     }
   };
   const auto line = std::make_shared<Line>(Line{.what = what, .left = {}});
-  line->left.Text(0, Now_s());
+  line->left.Text(0);
   return [line](double done) {
     const double now_s = Now_s();
     if (now_s < line->next_s) return true;

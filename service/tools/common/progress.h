@@ -16,6 +16,7 @@ class TimeLeft {
   // `progress`: 0 to 1; if it goes back, something else has begun. t_s: any clock. ", about 12 s left"; empty while it
   // is too early to say, and once it is done.
   std::string Text(double progress, double t_s);
+  std::string Text(double progress);  // now
 
  private:
   std::optional<double> begin_s_;

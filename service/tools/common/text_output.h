@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdarg>
+#include <cstddef>
 #include <cstdio>
 #include <string>
 
@@ -18,6 +19,11 @@ void Print(const std::string& text);
   std::vsnprintf(text, sizeof(text), format, arguments);
   va_end(arguments);
   return text;
+}
+
+// "1 triangle", "12 triangles"; `what`: the noun in the singular, to which an s is added.
+inline std::string Plural(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
 }  // namespace omni::tools

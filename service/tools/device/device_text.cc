@@ -1,9 +1,12 @@
 #include "service/tools/device/device_text.h"
 
 #include <cstdio>
+#include <string>
+#include <vector>
 
 #include "firmware/wire/names.h"
 #include "firmware/wire/scaling.h"
+#include "service/console/wrap.h"
 #include "service/device/base_notes.h"
 #include "service/tools/common/text_output.h"
 
@@ -18,38 +21,38 @@ std::string Titled(const char* title, const std::string& text) { return Printed(
 // "24.1, 24.0, 23.9"
 template <class Count>
 std::string ThreeCounts(const Count (&counts)[wire::kCoils], double unit, const char* format) {
-  std::string text;
+  std::vector<std::string> numbers;
   for (const Count count : counts) {
     char number[32];
     std::snprintf(number, sizeof number, format, count * unit);
-    text += (text.empty() ? "" : ", ") + std::string(number);
+    numbers.emplace_back(number);
   }
-  return text;
+  return console::Joined(numbers, ", ");
 }
 
 std::string CapabilityNames(std::uint32_t capabilities) {
-  std::string text;
+  std::vector<std::string> names;
   for (const wire::Name& capability : wire::Capabilities()) {
-    if ((capabilities & capability.value) != 0) text += (text.empty() ? "" : ", ") + std::string(capability.name);
+    if ((capabilities & capability.value) != 0) names.emplace_back(capability.name);
   }
-  return text.empty() ? "none" : text;
+  return names.empty() ? "none" : console::Joined(names, ", ");
 }
 
 std::string FaultNames(std::uint32_t faults) {
-  std::string text;
+  std::vector<std::string> names;
   for (const wire::FaultText& fault : wire::Faults()) {
-    if ((faults & fault.fault) != 0) text += (text.empty() ? "" : ", ") + std::string(fault.name);
+    if ((faults & fault.fault) != 0) names.emplace_back(fault.name);
   }
-  return text.empty() ? "none" : text;
+  return names.empty() ? "none" : console::Joined(names, ", ");
 }
 
 // Sensors of a mask, for people: counted from 0 as in the manifest.
 std::string SensorList(unsigned mask) {
-  std::string text;
+  std::vector<std::string> numbers;
   for (unsigned i = 0; i < wire::kSensors; ++i) {
-    if ((mask >> i & 1U) != 0) text += (text.empty() ? "" : ", ") + std::to_string(i);
+    if ((mask >> i & 1U) != 0) numbers.push_back(std::to_string(i));
   }
-  return text;
+  return console::Joined(numbers, ", ");
 }
 
 SelfTestRow JudgeRate(const device::UsbProbe& probe) {

@@ -19,10 +19,6 @@ std::string Short(double value) {
   return text;
 }
 
-std::string Plural(std::size_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
-
 // Materials that some triangle has.
 std::vector<Material> UsedMaterials(const haptics::Scene& scene) {
   std::vector<Material> used;

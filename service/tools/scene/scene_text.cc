@@ -11,6 +11,7 @@
 #include "service/haptics/scene.h"
 #include "service/protocol/text.h"
 #include "service/scene/tags/haptic_keys.h"
+#include "service/tools/common/text_output.h"
 #include "service/tools/scene/scene_features.h"
 
 namespace omni::tools {
@@ -110,9 +111,8 @@ std::string Summary(const LoadedScene& loaded) {
   std::string text;
   if (!loaded.scene.empty()) {
     const haptics::SceneHeader& header = loaded.scene.header();
-    text += "objects    " + std::to_string(header.object_count) + ", " + std::to_string(header.triangle_count) +
-            " triangles, " + std::to_string(header.vertex_count) + " vertices, " + std::to_string(header.node_count) +
-            " BVH nodes\n";
+    text += "objects    " + std::to_string(header.object_count) + ", " + Plural(header.triangle_count, "triangle") +
+            ", " + std::to_string(header.vertex_count) + " vertices, " + Plural(header.node_count, "BVH node") + "\n";
     text += "extent     " + Extent(header) + "\n";
   }
   if (loaded.load.fit_scale != 1) text += "fit        scaled by " + Number(loaded.load.fit_scale) + "\n";

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
 
 #include "service/protocol/text.h"
 #include "service/tools/common/json_text.h"
+#include "service/tools/common/text_output.h"
 #include "service/tools/scene/race_text.h"
 
 namespace omni::tools {
@@ -174,10 +176,8 @@ std::string StatusText(const json& status) {
   text += Line("scene", SceneLine(status));
   const std::string soft = SoftLine(status);
   if (!soft.empty()) text += Line("soft", soft);
-  if (NumberAt(status, "/scene/sculpted") > 0) {
-    text += Line("sculpted", TextAt(status, "/scene/sculpted") +
-                                 (NumberAt(status, "/scene/sculpted") == 1 ? " object" : " objects") +
-                                 "; see `omni scene edits`");
+  if (const double sculpted = NumberAt(status, "/scene/sculpted"); sculpted > 0) {
+    text += Line("sculpted", Plural(static_cast<std::size_t>(sculpted), "object") + "; see `omni scene edits`");
   }
   const std::string race = RaceText(status);
   if (!race.empty()) text += Line("race", race);

@@ -185,8 +185,7 @@ std::string SavedText(const PublishedSurfaces& surfaces) {
     vertices += object.copy.vertices_base_m.size();
     newest_ns = std::max(newest_ns, object.copy.frame.t_ns);
   }
-  std::string text =
-      std::to_string(objects) + (objects == 1 ? " object, " : " objects, ") + std::to_string(vertices) + " vertices";
+  std::string text = Plural(objects, "object") + ", " + std::to_string(vertices) + " vertices";
   const std::size_t most = surfaces.MostDisplaced();
   if (surfaces.LargestDisplacement_m() > 0) {
     char number[32];
