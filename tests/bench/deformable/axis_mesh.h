@@ -11,7 +11,7 @@
 namespace omni::bench {
 
 struct SurfaceMesh {
-  std::vector<haptics::Vec3> vertices;
+  std::vector<base::Vec3> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
