@@ -6,6 +6,7 @@
 
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene.h"
+#include "service/tools/common/text_output.h"
 
 namespace omni::tools {
 namespace {
