@@ -62,7 +62,7 @@ struct WebServer::Impl {
   http::response<http::string_body> Answer(const http::request<http::empty_body>& request);
   // What is wrong with a request for a WebSocket; nothing: it may be accepted.
   std::optional<http::response<http::string_body>> Refusal(const http::request<http::empty_body>& request) const;
-  void AddPage(tcp::socket socket, http::request<http::empty_body> request);
+  void AddPage(tcp::socket socket, const http::request<http::empty_body>& request);
 
   const WebOptions options;
   WebHandler& handler;
@@ -216,12 +216,12 @@ struct WebServer::Impl::Connection : std::enable_shared_from_this<Connection> {
   }
 
   void Handle() {
-    http::request<http::empty_body> request = parser.release();
+    const http::request<http::empty_body> request = parser.release();
     if (!websocket::is_upgrade(request)) return Reply(server.Answer(request));
     if (auto refusal = server.Refusal(request)) return Reply(std::move(*refusal));
     handed_over = true;
     stream.expires_never();
-    server.AddPage(stream.release_socket(), std::move(request));
+    server.AddPage(stream.release_socket(), request);
   }
 
   void Reply(http::response<http::string_body> its_response) {
@@ -301,7 +301,7 @@ std::optional<http::response<http::string_body>> WebServer::Impl::Refusal(
   return std::nullopt;
 }
 
-void WebServer::Impl::AddPage(tcp::socket socket, http::request<http::empty_body> request) {
+void WebServer::Impl::AddPage(tcp::socket socket, const http::request<http::empty_body>& request) {
   const PageId id = ++last_page;
   auto page = std::make_shared<Page>(*this, id, std::move(socket));
   pages[id] = page;
@@ -311,11 +311,14 @@ void WebServer::Impl::AddPage(tcp::socket socket, http::request<http::empty_body
 WebServer::WebServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 WebServer::~WebServer() {
-  for (const auto& [id, page] : std::map(impl_->pages)) page->Close(CloseCode::kEnds, "omni has ended");
-  RunUntil(base::MonotonicNow_ns() + 50'000'000);  // what can be sent in that time
-  impl_->acceptor.close();
-  const auto left = std::exchange(impl_->pages, {});
-  for (const auto& [id, page] : left) page->open = false;
+  try {
+    for (const auto& [id, page] : std::map(impl_->pages)) page->Close(CloseCode::kEnds, "omni has ended");
+    RunUntil(base::MonotonicNow_ns() + 50'000'000);  // what can be sent in that time
+    impl_->acceptor.close();
+    const auto left = std::exchange(impl_->pages, {});
+    for (const auto& [id, page] : left) page->open = false;
+  } catch (...) {  // out of memory, or a handler's: the sockets close without a word
+  }
 }
 
 base::Result<std::unique_ptr<WebServer>> WebServer::Listen(const WebOptions& options, WebHandler& handler) {
