@@ -80,7 +80,7 @@ double Deviation(const std::vector<double>& values) {
 }
 
 sim::Rig MakeRig(const base::DeviceGeometry& device, std::uint64_t seed) {
-  const base::TruthParameters twin = config::IdealTwin();
+  const base::TruthParameters& twin = config::IdealTwin();
   return {device, {.seed = seed, .sizes = RigSizes(), .effects = twin.effects, .sensor = twin.sensor}};
 }
 
