@@ -132,13 +132,15 @@ TEST(Connection, RejectsOverlongPaths) {
 }
 
 TEST(Connection, ReportsBothVersionsOnMismatch) {
+  constexpr std::uint16_t kNewer = protocol::kProtocolVersion + 1;
   const std::string error = ErrorAfter([](FakeServer& server) {
     protocol::Reject reject;
-    reject.header.version = 5;
-    reject.server_version = 5;
+    reject.header.version = kNewer;
+    reject.server_version = kNewer;
     server.Send(reject);
   });
-  EXPECT_NE(error.find("speaks protocol version 5, this client version " + std::to_string(protocol::kProtocolVersion)),
+  EXPECT_NE(error.find("speaks protocol version " + std::to_string(kNewer) + ", this client version " +
+                       std::to_string(protocol::kProtocolVersion)),
             std::string::npos)
       << error;
 }

@@ -109,13 +109,15 @@ TEST(Server, RejectsOtherVersionsNamingBoth) {
   Service service(temp.Path("omnid.sock"));
   RawClient raw(temp.Path("omnid.sock"));
   protocol::Hello hello;
-  hello.header.version = 9;
+  hello.header.version = protocol::kProtocolVersion + 5;
   raw.Send(hello);
   const protocol::Message message = raw.Receive();
   const auto* reject = std::get_if<protocol::Reject>(&message);
   ASSERT_NE(reject, nullptr);
   EXPECT_EQ(reject->server_version, protocol::kProtocolVersion);
-  EXPECT_NE(std::string(reject->reason).find("version 9, must be " + std::to_string(protocol::kProtocolVersion)),
+  EXPECT_NE(std::string(reject->reason)
+                .find("version " + std::to_string(hello.header.version) + ", must be " +
+                      std::to_string(protocol::kProtocolVersion)),
             std::string::npos)
       << reject->reason;
   EXPECT_TRUE(raw.AtEnd());

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -60,6 +61,60 @@ TEST(MessageTable, RowsAreUniqueAndOfOneDirection) {
     EXPECT_EQ(RolesOf(type), 0U) << TypeName(type);
     EXPECT_TRUE(names.insert(TypeName(type)).second);
   }
+}
+
+// A message whose size changes has another layout: an older peer would misread it. What a version has is frozen here;
+// once the version is raised the rows are of a version that is gone, and those of the new one take their place when it
+// is released.
+TEST(MessageTable, SizesAreThoseOfTheVersion) {
+  constexpr std::uint16_t kFrozen = 4;
+  const std::map<std::string, std::size_t> frozen{{"Hello", 288},
+                                                  {"StatusRequest", 16},
+                                                  {"Session", 24},
+                                                  {"Haptic", 32},
+                                                  {"HapticStop", 16},
+                                                  {"Waveform", 40},
+                                                  {"EmergencyStop", 24},
+                                                  {"SceneCommand", 160},
+                                                  {"SurfaceRequest", 24},
+                                                  {"ForceClaim", 24},
+                                                  {"ForceApply", 64},
+                                                  {"ForceConstraints", 1120},
+                                                  {"ForceStop", 16},
+                                                  {"HapticSceneLoad", 40},
+                                                  {"HapticSceneEnd", 24},
+                                                  {"HapticScenePlace", 144},
+                                                  {"HapticSceneEnable", 24},
+                                                  {"HapticNodes", 1824},
+                                                  {"HapticMaterial", 112},
+                                                  {"BasePoseRequest", 440},
+                                                  {"SpaceChange", 88},
+                                                  {"BasePoseCommand", 536},
+                                                  {"Welcome", 40},
+                                                  {"Reject", 272},
+                                                  {"StatusReply", 16},
+                                                  {"Notice", 1024},
+                                                  {"SceneReply", 32},
+                                                  {"Surfaces", 32},
+                                                  {"ForceOwner", 24},
+                                                  {"ForceProperties", 336},
+                                                  {"HapticSceneState", 56},
+                                                  {"HapticSceneTable", 32},
+                                                  {"BasePose", 128},
+                                                  {"BasePoseReply", 1024},
+                                                  {"AppSettings", 152}};
+  std::map<std::string, std::size_t> sizes;
+#define OMNI_SIZE(name, ...) sizes[#name] = sizeof(name);
+  OMNI_LINK_MESSAGES(OMNI_SIZE)
+  OMNI_REQUESTS(OMNI_SIZE) OMNI_SERVER_MESSAGES(OMNI_SIZE)
+#undef OMNI_SIZE
+      std::string changed;
+  for (const auto& [name, bytes] : frozen) {
+    if (sizes[name] != bytes) changed += name + " ";
+  }
+  EXPECT_TRUE(changed.empty() || kProtocolVersion > kFrozen)
+      << changed << "changed: raise kProtocolVersion (service/protocol/control.h)";
+  EXPECT_GE(kProtocolVersion, kFrozen);
 }
 
 TEST(MessageTable, AMessageOfTheOtherDirectionIsInvalid) {
