@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "service/protocol/control.h"
+#include "service/protocol/message_table.h"
 #include "tests/support/process/program.h"
 
 namespace omni::test {
@@ -202,6 +203,17 @@ TEST(Documents, StatedProtocolVersionMatchesTheCode) {
     }
   }
   EXPECT_GE(found, 1);
+}
+
+// "| Hello | client, first |": each message of the table is in the first column of one of docs/protocol/ipc.md.
+TEST(Documents, EveryMessageIsDescribed) {
+  const std::string text = WholeText(OMNI_SOURCE_DIR "/docs/protocol/ipc.md");
+#define OMNI_DESCRIBED(name, ...) \
+  EXPECT_TRUE(std::regex_search(text, std::regex("\\n\\|[^|]*\\b" #name "\\b"))) << #name;
+  OMNI_LINK_MESSAGES(OMNI_DESCRIBED)
+  OMNI_REQUESTS(OMNI_DESCRIBED)
+  OMNI_SERVER_MESSAGES(OMNI_DESCRIBED)
+#undef OMNI_DESCRIBED
 }
 
 TEST(Documents, CheckerDetectsUnknownCommandsAndOptions) {
