@@ -123,10 +123,10 @@ TEST(ProcessHapticScene, CanBeLoadedChangedMovedDisabledAndEnded) {
   softer.number = app.number;
   softer.material = app.table.nodes[0].material;
   softer.parameters = app.table.materials[softer.material];
-  softer.parameters.stiffness_N_m = 60;
+  softer.parameters.stiffness_N_m = 30;
   ASSERT_TRUE(app.connection().Send(softer));
   EXPECT_TRUE(app.Run(3000, 5, [&] { return app.Force_N() < 0.6 * before_N; })) << app.Force_N() << " of " << before_N;
-  std::printf("[ figure   ] stiffness 300 -> 60 N/m while pressed: %.3f -> %.3f N\n", before_N, app.Force_N());
+  std::printf("[ figure   ] stiffness 300 -> 30 N/m while pressed: %.3f -> %.3f N\n", before_N, app.Force_N());
   softer.parameters.stiffness_N_m = 300;
   ASSERT_TRUE(app.connection().Send(softer));
   ASSERT_TRUE(app.WaitForForce(0.8 * before_N));
