@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "service/tools/common/text_output.h"
+
 namespace omni::tools {
 namespace {
 
@@ -88,8 +90,7 @@ void RaceTask::Hold(const StickWish& wish, const base::Vec3& tip_base_m, double 
 std::string RaceTask::Account() const {
   if (!pen_seen_) return "no pen was tracked";
   if (phase_ == Phase::kReach) return car_.on ? "the joystick was not reached" : "no car appeared";
-  const std::string race = std::to_string(car_.laps) + (car_.laps == 1 ? " lap, " : " laps, ") +
-                           std::to_string(car_.hits) + (car_.hits == 1 ? " hit" : " hits");
+  const std::string race = Plural(car_.laps, "lap") + ", " + Plural(car_.hits, "hit");
   if (phase_ == Phase::kDrive) return "the car did not finish a lap (" + race + ")";
   return race + (clicks_ > 0 ? "; the stick clicked" : "; the stick did not click when it was pressed down");
 }
