@@ -74,8 +74,9 @@ base::Result<BenchRows> BenchTracking(const BenchOptions& options);
 
 // Tracking outside a laboratory: condition, force, rigs, ticks, seed, tracked_fraction, coarse_fraction, mean_mm,
 // p95_mm, sigma_mm, silent_fraction, pushed_silent_fraction (under force: silent, and a force was requested),
-// worst_rig_mm (of a base's mean error over all its poses), recovery_ms_p95, force_error_p95_pct; null where nothing
-// was tracked. The last condition, pairs: two of them at random.
+// worst_rig_mm (of a base's mean error over all its poses), recovery_ms_p95, force_error_p50_pct, force_error_p95_pct,
+// limited_fraction, limited_error_p95_pct (of ticks whose force was cut, which the others leave out); null where
+// nothing was tracked. The last condition, pairs: two of them at random.
 base::Result<BenchRows> BenchRoom(const BenchOptions& options);
 
 // A pen that starts, stops, trembles and rests: room, motion, radius_mm, trials, p95_mm, max_mm (of each trial's worst

@@ -45,8 +45,9 @@ struct Tally {
   std::size_t pushed_silent = 0;           // silent, and a force was requested
   std::vector<double> error_mm, sigma_mm;  // of tracked poses
   std::vector<double> coarse_mm;           // error of coarse poses
-  std::vector<double> recovery_ms, force_error_pct;
-  double worst_rig_mm = 0;  // mean over all poses of a base
+  std::vector<double> recovery_ms;
+  std::vector<double> force_error_pct, limited_error_pct;  // of ticks with a force; apart: those cut by a limit
+  double worst_rig_mm = 0;                                 // mean over all poses of a base
 
   void Add(const Tally& other) {
     ticks += other.ticks, tracked += other.tracked, coarse += other.coarse, silent += other.silent;
@@ -56,6 +57,7 @@ struct Tally {
     Append(other.coarse_mm, coarse_mm);
     Append(other.recovery_ms, recovery_ms);
     Append(other.force_error_pct, force_error_pct);
+    Append(other.limited_error_pct, limited_error_pct);
     worst_rig_mm = std::max(worst_rig_mm, other.worst_rig_mm);
   }
 };
@@ -86,9 +88,12 @@ class Judge {
     tally_.sigma_mm.push_back(sigma_mm);
   }
 
-  void AddForce(const base::Vec3& wanted_N, const base::Vec3& true_N) {
+  // The force on the pen, core's pull included, against the one that was asked for.
+  void AddForce(const base::Vec3& wanted_N, const base::Vec3& true_N, bool limited) {
     const double size_N = base::Norm(wanted_N);
-    if (size_N >= kForce_N) tally_.force_error_pct.push_back(100 * base::Norm(true_N - wanted_N) / size_N);
+    if (!(size_N >= kForce_N)) return;
+    (limited ? tally_.limited_error_pct : tally_.force_error_pct)
+        .push_back(100 * base::Norm(true_N - wanted_N) / size_N);
   }
 
   Tally Finish(const std::vector<double>& events_s) {
@@ -159,7 +164,7 @@ void PressBox(const base::DeviceGeometry& device, const loop::TickConfig& config
   for (auto ticks = static_cast<std::size_t>(run_s / base::kTickPeriod_s); ticks > 0; --ticks) {
     base.Tick(scan);
     const sim::TruthRow now = base.core().Truth();
-    judge.AddForce(output->wrench.force_N, now.coil_force_N);
+    judge.AddForce(output->wrench.force_N, now.force_N, output->saturated);
     const loop::Commands commands{
         .t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1};
     loop::Tick(config, scan, commands, scene, *state, *output);
@@ -256,28 +261,34 @@ nlohmann::ordered_json Row(const std::string& condition, bool force, const Tally
     return values.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(value);
   };
   const std::size_t poses = tally.tracked + tally.coarse;
-  return {{"condition", condition},
-          {"force", force},
-          {"rigs", rigs},
-          {"ticks", tally.ticks},
-          {"seed", seed},
-          {"tracked_fraction", share(tally.tracked)},
-          {"coarse_fraction", share(tally.coarse)},
-          {"mean_mm", measured(tally.error_mm, tools::Mean(tally.error_mm))},
-          {"p95_mm", measured(tally.error_mm, tools::Quantile(tally.error_mm, 0.95))},
-          {"sigma_mm", measured(tally.sigma_mm, tools::Quantile(tally.sigma_mm, 0.5))},
-          {"silent_fraction",
-           poses == 0 ? nlohmann::ordered_json(nullptr)
-                      : nlohmann::ordered_json(static_cast<double>(tally.silent) / static_cast<double>(poses))},
-          {"pushed_silent_fraction",
-           force && poses > 0
-               ? nlohmann::ordered_json(static_cast<double>(tally.pushed_silent) / static_cast<double>(poses))
-               : nlohmann::ordered_json(nullptr)},
-          {"coarse_mean_mm", measured(tally.coarse_mm, tools::Mean(tally.coarse_mm))},
-          {"worst_rig_mm", poses == 0 ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(tally.worst_rig_mm)},
-          {"recovery_ms_p95", measured(tally.recovery_ms, tools::Quantile(tally.recovery_ms, 0.95))},
-          {"force_error_p95_pct", measured(tally.force_error_pct, tools::Quantile(tally.force_error_pct, 0.95))},
-          {"calibrations_refused", tally.refused}};
+  const std::size_t pushes = tally.force_error_pct.size() + tally.limited_error_pct.size();
+  return {
+      {"condition", condition},
+      {"force", force},
+      {"rigs", rigs},
+      {"ticks", tally.ticks},
+      {"seed", seed},
+      {"tracked_fraction", share(tally.tracked)},
+      {"coarse_fraction", share(tally.coarse)},
+      {"mean_mm", measured(tally.error_mm, tools::Mean(tally.error_mm))},
+      {"p95_mm", measured(tally.error_mm, tools::Quantile(tally.error_mm, 0.95))},
+      {"sigma_mm", measured(tally.sigma_mm, tools::Quantile(tally.sigma_mm, 0.5))},
+      {"silent_fraction", poses == 0
+                              ? nlohmann::ordered_json(nullptr)
+                              : nlohmann::ordered_json(static_cast<double>(tally.silent) / static_cast<double>(poses))},
+      {"pushed_silent_fraction", force && poses > 0 ? nlohmann::ordered_json(static_cast<double>(tally.pushed_silent) /
+                                                                             static_cast<double>(poses))
+                                                    : nlohmann::ordered_json(nullptr)},
+      {"coarse_mean_mm", measured(tally.coarse_mm, tools::Mean(tally.coarse_mm))},
+      {"worst_rig_mm", poses == 0 ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(tally.worst_rig_mm)},
+      {"recovery_ms_p95", measured(tally.recovery_ms, tools::Quantile(tally.recovery_ms, 0.95))},
+      {"force_error_p50_pct", measured(tally.force_error_pct, tools::Quantile(tally.force_error_pct, 0.5))},
+      {"force_error_p95_pct", measured(tally.force_error_pct, tools::Quantile(tally.force_error_pct, 0.95))},
+      {"limited_fraction", pushes == 0 ? nlohmann::ordered_json(nullptr)
+                                       : nlohmann::ordered_json(static_cast<double>(tally.limited_error_pct.size()) /
+                                                                static_cast<double>(pushes))},
+      {"limited_error_p95_pct", measured(tally.limited_error_pct, tools::Quantile(tally.limited_error_pct, 0.95))},
+      {"calibrations_refused", tally.refused}};
 }
 
 }  // namespace
