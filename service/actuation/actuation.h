@@ -22,9 +22,7 @@ struct Config {
   double current_max_A = 15;
   double current_slew_A_s = 6000;
   double force_max_N = 2;
-  double temperature_max_C = 70;
-  std::array<double, 3> resistance_20C_ohm{};
-  double power_max_W = 300;         // total
+  double power_max_W = 300;         // of all coils together
   double gap_max_m = 0.12;          // beyond: no force is available
   double gap_fade_m = 0.02;         // force_max fades to zero over this before gap_max
   double singular_ratio = 0.2;      // sigma_min / sigma_max of X below which the weak direction is damped
@@ -59,9 +57,9 @@ double ForceMax_N(const Config& config, const base::ToolState& tool, const base:
                   const std::array<double, 3>& coil_temperature_C) noexcept;
 
 // Currents for `force_N` under `limit`: a request that cannot be met is scaled, keeping its direction
-// (docs/decisions/0007-infeasible-forces.md); then slew, temperature and power limits, and the limits of the force
-// actually produced. Always finite and within limits; zero at once when any input is in doubt. Slew and rise limits
-// apply to growth: falling is free.
+// (docs/decisions/0007-infeasible-forces.md), one that can is made as it is; then slew and rise limits, and those of
+// the force actually produced. Always finite and within limits; zero at once when any input is in doubt. Slew and rise
+// limits apply to growth: falling is free.
 void Allocate(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N, double dt_s, State& state,
               base::CoilCurrents& currents) noexcept;
 

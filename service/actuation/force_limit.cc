@@ -9,12 +9,8 @@ namespace {
 
 using Currents = std::array<double, base::kCoilCount>;
 
-base::Vec3 Times(const std::array<double, 9>& M, const base::Vec3& v) noexcept {
-  return {M[0] * v.x + M[1] * v.y + M[2] * v.z, M[3] * v.x + M[4] * v.y + M[5] * v.z,
-          M[6] * v.x + M[7] * v.y + M[8] * v.z};
-}
-
-base::ForceLimit LimitWith(const Config& config, const base::ToolState& tool, const Currents& current_max_A) noexcept {
+base::ForceLimit LimitWith(const Config& config, const base::ToolState& tool, const Currents& current_max_A,
+                           const std::array<double, base::kCoilCount>& copper_C) noexcept {
   base::ForceLimit limit;
   if (tool.status != base::TrackingStatus::kTracking || !(tool.gap_m < config.gap_max_m)) return limit;
   const ForceAtPose force = EvaluateForceMap(config.map, tool.position_base_m, tool.axis_base);
@@ -29,12 +25,15 @@ base::ForceLimit LimitWith(const Config& config, const base::ToolState& tool, co
   limit.snapping_N = force.snapping_N;
   limit.snapping_Nm = force.snapping_Nm;
   if (config.compensate_snapping) {
-    const base::Vec3 held = Times(inverse.ampere_per_newton, force.snapping_N);
+    const base::Vec3 held = base::Times(inverse.ampere_per_newton, force.snapping_N);
     limit.bias_A = {-held.x, -held.y, -held.z};
+    limit.bias_fade_N = config.bias_fade_N;
   }
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
     limit.current_max_A[k] = current_max_A[k] >= 0 ? std::min(current_max_A[k], config.current_max_A) : 0.0;
+    limit.resistance_ohm[k] = CopperResistance_ohm(config.heat, k, copper_C[k]);
   }
+  limit.power_max_W = config.power_max_W;
   const double fade = config.gap_fade_m > 0 ? (config.gap_max_m - tool.gap_m) / config.gap_fade_m : 1.0;
   limit.force_max_N = config.force_max_N * std::clamp(fade, 0.0, 1.0);
   limit.valid = true;
@@ -48,8 +47,6 @@ Config WithLimits(const base::DeviceGeometry& device, const ForceMap& map) {
   config.current_max_A = device.current_max_A;
   config.current_slew_A_s = device.current_slew_A_s;
   config.force_max_N = device.force_max_N;
-  config.temperature_max_C = device.temperature_max_C;
-  config.resistance_20C_ohm = config.heat.resistance_20C_ohm;
   return config;
 }
 
@@ -67,7 +64,7 @@ void UpdateHeat(const Config& config, const base::HallScan& scan, State& state) 
 
 base::ForceLimit ComputeDeratedLimit(const Config& config, const base::ToolState& tool,
                                      const HeatState& heat) noexcept {
-  return LimitWith(config, tool, heat.current_max_A);
+  return LimitWith(config, tool, heat.current_max_A, heat.copper_C);
 }
 
 base::ForceLimit ComputeForceLimit(const Config& config, const base::ToolState& tool,
@@ -76,7 +73,7 @@ base::ForceLimit ComputeForceLimit(const Config& config, const base::ToolState& 
   for (std::size_t k = 0; k < current_max_A.size(); ++k) {
     current_max_A[k] = CurrentCeiling_A(config.heat, k, coil_temperature_C[k], coil_temperature_C[k]);
   }
-  return LimitWith(config, tool, current_max_A);
+  return LimitWith(config, tool, current_max_A, coil_temperature_C);
 }
 
 double ForceMax_N(const Config& config, const base::ToolState& tool, const base::Vec3& direction,
@@ -88,8 +85,8 @@ base::Vec3 ForceFromCurrents(const ForceMap& map, const base::ToolState& tool,
                              const std::array<double, base::kCoilCount>& coil_current_A) noexcept {
   const ForceAtPose force = EvaluateForceMap(map, tool.position_base_m, tool.axis_base);
   if (!force.valid) return {};
-  const base::Vec3 coils = Times(force.newton_per_ampere, {coil_current_A[0], coil_current_A[1], coil_current_A[2]});
-  return {coils.x + force.snapping_N.x, coils.y + force.snapping_N.y, coils.z + force.snapping_N.z};
+  const base::Vec3 current_A{coil_current_A[0], coil_current_A[1], coil_current_A[2]};
+  return base::Times(force.newton_per_ampere, current_A) + force.snapping_N;
 }
 
 }  // namespace omni::actuation

@@ -10,12 +10,9 @@ namespace {
 
 constexpr double kHorizon_s = 5;    // h of docs/theory/thermal.md (4)
 constexpr double kHottest_C = 250;  // copper is insulated for less: beyond it the model only has to stay finite
+constexpr double kColdest_C = -60;  // of a place where a base is used
 constexpr double kHeatStep_s =
     0.25;  // stable for any pair of nodes this model is meant for; a longer gap counts as this
-
-double Resistance_ohm(const HeatConfig& config, std::size_t k, double copper_C) noexcept {
-  return config.resistance_20C_ohm[k] * (1 + kCopperPerKelvin * (copper_C - 20));
-}
 
 // Everything as warm as the warmest coil reports: after a restart the body's temperature is unknown.
 void Start(const HeatConfig& config, const base::HallScan& scan, HeatState& state) noexcept {
@@ -49,6 +46,11 @@ HeatConfig MakeHeatConfig(const base::DeviceGeometry& device) {
   return config;
 }
 
+double CopperResistance_ohm(const HeatConfig& config, std::size_t k, double copper_C) noexcept {
+  const bool possible = copper_C >= kColdest_C && copper_C <= kHottest_C;
+  return config.resistance_20C_ohm[k] * (1 + kCopperPerKelvin * ((possible ? copper_C : kHottest_C) - 20));
+}
+
 // Cc dTc/dt = I^2 R(Tc) - Gcb (Tc - Tb),   Cb dTb/dt = sum Gcb (Tc - Tb) - Gba (Tb - Ta): explicit Euler.
 // docs/theory/thermal.md (1), (2)
 void AdvanceHeat(const HeatConfig& config, const std::array<double, base::kCoilCount>& current_A, double dt_s,
@@ -58,7 +60,7 @@ void AdvanceHeat(const HeatConfig& config, const std::array<double, base::kCoilC
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
     double& copper_C = state.copper_C[k];
     const double flow_W = node.copper_to_body_W_K * (copper_C - state.body_C);
-    const double heat_W = current_A[k] * current_A[k] * Resistance_ohm(config, k, copper_C);
+    const double heat_W = current_A[k] * current_A[k] * CopperResistance_ohm(config, k, copper_C);
     copper_C += (heat_W - flow_W) * dt_s / node.copper_J_K;
     into_body_W += flow_W;
   }
@@ -76,8 +78,8 @@ double CurrentCeiling_A(const HeatConfig& config, std::size_t k, double copper_C
   const double excess_C = std::min(copper_C, aim_C) - body_C;
   const double allowed_W = node.copper_to_body_W_K * ((aim_C - body_C) - d * excess_C) / (1 - d);
   if (!(allowed_W > 0)) return 0;
-  const double heat_A = std::sqrt(allowed_W / Resistance_ohm(config, k, aim_C));
-  const double supply_A = config.supply_V / Resistance_ohm(config, k, copper_C);
+  const double heat_A = std::sqrt(allowed_W / CopperResistance_ohm(config, k, aim_C));
+  const double supply_A = config.supply_V / CopperResistance_ohm(config, k, copper_C);
   const double span = config.temperature_max_C - aim_C;  // beyond the aim the model was wrong: down to zero
   const double left = span > 0 ? std::clamp((config.temperature_max_C - copper_C) / span, 0.0, 1.0) : 1.0;
   const double ceiling_A = left * std::min({config.current_max_A, heat_A, supply_A});

@@ -46,6 +46,9 @@ void UpdateHeat(const HeatConfig& config, const base::HallScan& scan,
 void AdvanceHeat(const HeatConfig& config, const std::array<double, base::kCoilCount>& current_A, double dt_s,
                  HeatState& state) noexcept;
 
+// R_k(T): docs/theory/thermal.md (3). That of the hottest copper for a temperature that no copper of a base has.
+double CopperResistance_ohm(const HeatConfig& config, std::size_t k, double copper_C) noexcept;
+
 // The current that coil k may carry at these temperatures for good use of the time left: with it the copper approaches
 // the aim and never passes it, however warm the body is. Zero in doubt. docs/theory/thermal.md (5)
 double CurrentCeiling_A(const HeatConfig& config, std::size_t k, double copper_C, double body_C) noexcept;

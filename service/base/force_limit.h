@@ -3,47 +3,59 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstddef>
 
 #include "service/base/actuation_types.h"
 
 namespace omni::base {
 
-// Largest s in [0, 1] such that s * force is feasible under `limit`; 0 if the limit is invalid or anything is not
-// finite. Where the limit does not keep directions only force_max_N scales: actuation finds the nearest force.
-inline double FeasibleScale(const ForceLimit& limit, const Vec3& force_N) noexcept {
-  const double norm_N = Norm(force_N);
-  if (!limit.valid || !(norm_N <= 1e6)) return 0;
-  if (norm_N == 0) return 1;
-  double scale = std::min(1.0, limit.force_max_N / norm_N);
-  for (std::size_t k = 0; k < kCoilCount; ++k) {
-    const double* row = &limit.ampere_per_newton[3 * k];
-    const double current_A = row[0] * force_N.x + row[1] * force_N.y + row[2] * force_N.z;
-    const double bias_A = limit.bias_A[k];
-    // |bias + s I| <= max: the headroom depends on the sign of I.
-    const double headroom_A = limit.current_max_A[k] - (current_A > 0 ? bias_A : -bias_A);
-    if (!(headroom_A > 0)) return 0;
-    if (std::abs(current_A) * scale > headroom_A) scale = headroom_A / std::abs(current_A);
-    if (!(scale >= 0)) return 0;
-  }
-  return scale;
+// M v, M row-major 3x3 as in `ForceLimit`.
+constexpr Vec3 Times(const std::array<double, 9>& M, const Vec3& v) noexcept {
+  return {M[0] * v.x + M[1] * v.y + M[2] * v.z, M[3] * v.x + M[4] * v.y + M[5] * v.z,
+          M[6] * v.x + M[7] * v.y + M[8] * v.z};
 }
 
-// The largest force in direction `direction` (any length) that keeps its direction; 0 in doubt.
-inline double ForceMax_N(const ForceLimit& limit, const Vec3& direction) noexcept {
-  const double norm = Norm(direction);
-  if (!(norm > 0 && norm <= 1e6)) return 0;
-  const double gain = limit.force_max_N / norm;
-  return FeasibleScale(limit, gain * direction) * limit.force_max_N;
-}
+// One limit along a line: a s^2 + 2 b s + c <= 0 where s is within it.
+struct LimitAlong {
+  double a = 0, b = 0, c = 0;
+
+  double At(double s) const noexcept { return (a * s + 2 * b) * s + c; }
+  // `s` if it is within, else the greater root if that is less; negative if there is none.
+  double Cut(double s) const noexcept {
+    if (At(s) <= 0) return s;
+    const double square = b * b - a * c;
+    if (!(square >= 0)) return -1;
+    return std::min(s, b > 0 ? -c / (b + std::sqrt(square)) : (std::sqrt(square) - b) / a);
+  }
+};
+
+// The currents for a force, I = A f + w(|f|) b: what `ForceLimit` describes.   docs/theory/actuation.md (7), (8)
+std::array<double, kCoilCount> CurrentsFor_A(const ForceLimit& limit, const Vec3& force_N) noexcept;
+
+// Heat of the coils with these currents and the copper as warm as it is. NaN where either is.
+double Power_W(const ForceLimit& limit, const std::array<double, kCoilCount>& current_A) noexcept;
+
+// Largest s in [0, most] with start + s step within every coil's current and the total power; negative if there is
+// none or anything is not finite.   docs/theory/actuation.md (12)
+double LargestShare(const ForceLimit& limit, const std::array<double, kCoilCount>& start_A,
+                    const std::array<double, kCoilCount>& step_A, double most) noexcept;
+
+// Largest s in [0, 1] such that s * force is feasible under `limit`; 0 if the limit is invalid or anything is not
+// finite.
+double FeasibleScale(const ForceLimit& limit, const Vec3& force_N) noexcept;
+
+// What is made of a feasible force: all of it, or, where near_singular, what is left when the direction that the coils
+// cannot push has faded out.
+Vec3 Rendered_N(const ForceLimit& limit, const Vec3& force_N) noexcept;
+
+// The largest force that is made along `direction` (any length) by requests in that direction; 0 in doubt.
+double ForceMax_N(const ForceLimit& limit, const Vec3& direction) noexcept;
 
 // Torque on the tool while `current_A` flow, about the magnet's centre. Zero where the pose is unknown.
 inline Vec3 TorqueOf_Nm(const ForceLimit& limit, const std::array<double, kCoilCount>& current_A) noexcept {
   if (!limit.valid) return {};
-  const double* Y = limit.newton_metre_per_ampere.data();
-  const auto row = [&](int i) { return Y[i] * current_A[0] + Y[i + 1] * current_A[1] + Y[i + 2] * current_A[2]; };
-  return {row(0) + limit.snapping_Nm.x, row(3) + limit.snapping_Nm.y, row(6) + limit.snapping_Nm.z};
+  return Times(limit.newton_metre_per_ampere, {current_A[0], current_A[1], current_A[2]}) + limit.snapping_Nm;
 }
 
 }  // namespace omni::base

@@ -92,10 +92,9 @@ TEST(ActuationForces, CurrentsProduceTheRequestedForce) {
     for (int tick = 0; tick < 10; ++tick) Allocate(config, limit, base::FromEigen(wanted), 1e-3, state, currents);
     const Vector3d force = base::ToEigen(ForceFromCurrents(config.map, tool, currents.current_A));
     EXPECT_GT(force.dot(wanted), 0);
-    if (force.norm() < config.bias_fade_N) continue;  // the power limit took it to where the compensation fades
     EXPECT_LT(force.cross(wanted).norm(), 1e-6 * force.norm() * wanted.norm());  // direction kept
-    EXPECT_LE(force.norm(), scale * wanted.norm() * (1 + 1e-9));
-    within += force.norm() > scale * wanted.norm() * (1 - 1e-9);
+    EXPECT_NEAR(force.norm(), scale * wanted.norm(), 1e-9);  // what the limit promises, whichever limit it is
+    ++within;
   }
   EXPECT_GT(within, 1000);
 }
@@ -178,7 +177,7 @@ TEST(ActuationForces, LimitsHoldForAnyRequest) {
       if (limit.valid && limit.current_max_A[k] >= 0) {
         ASSERT_LE(std::abs(current), limit.current_max_A[k]);
       }
-      power_W += config.resistance_20C_ohm[k] * current * current;
+      power_W += config.heat.resistance_20C_ohm[k] * current * current;
     }
     ASSERT_LE(power_W, config.power_max_W);
     const double step_s = dt_s >= 0 && dt_s <= 0.1 ? dt_s : 1e-3;
@@ -225,11 +224,12 @@ TEST(ActuationForces, PowerLimitKeepsTheRatioOfTheCurrents) {
   tight.power_max_W = 5;
   const base::ToolState tool = RandomTool(rng, 0.05, 0.05, 0.5);
   const base::ForceLimit limit = ComputeForceLimit(config, tool, {25, 25, 25});
+  const base::ForceLimit tight_limit = ComputeForceLimit(tight, tool, {25, 25, 25});
   State wide_state, tight_state;
   base::CoilCurrents wide_currents, tight_currents;
   for (int i = 0; i < 10; ++i) {
     Allocate(config, limit, {0.9, -0.5, 0.8}, 1e-3, wide_state, wide_currents);
-    Allocate(tight, limit, {0.9, -0.5, 0.8}, 1e-3, tight_state, tight_currents);
+    Allocate(tight, tight_limit, {0.9, -0.5, 0.8}, 1e-3, tight_state, tight_currents);
   }
   const Vector3d a = Eigen::Map<const Vector3d>(wide_currents.current_A.data());
   const Vector3d b = Eigen::Map<const Vector3d>(tight_currents.current_A.data());
