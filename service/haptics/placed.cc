@@ -29,11 +29,18 @@ std::array<double, 9> ActingOnScene(const std::array<double, 9>& M, const Frame&
   return turned;
 }
 
-// The same device in the scene's frame. Only the currents per force are rotated; the renderer uses nothing else of it
-// that has a direction.
+// The same device in the scene's frame: what force_limit.h computes feasible forces with.
 base::ForceLimit InScene(const base::ForceLimit& limit, const Frame& frame) noexcept {
   base::ForceLimit turned = limit;
   turned.ampere_per_newton = ActingOnScene(limit.ampere_per_newton, frame);
+  turned.snapping_N = frame.RestDirection(limit.snapping_N);
+  const auto& X = limit.newton_per_ampere;
+  for (std::size_t k = 0; k < base::kCoilCount; ++k) {
+    const Vec3 column = frame.RestDirection({X[k], X[3 + k], X[6 + k]});
+    turned.newton_per_ampere[k] = column.x;
+    turned.newton_per_ampere[3 + k] = column.y;
+    turned.newton_per_ampere[6 + k] = column.z;
+  }
   return turned;
 }
 

@@ -163,6 +163,14 @@ TEST(PlacedScene, ForceLimitStaysInTheBaseFrame) {
   for (int trial = 0; trial < 20; ++trial) {
     PlacedPen pen(SceneOf(Sphere(8, 0.02), Frictionless()));
     pen.input.limit.ampere_per_newton = {40, 0, 0, 0, 5, 0, 0, 0, 15};
+    if (trial % 2 == 0) {  // coils that are short of power, and a core that pulls hard
+      pen.input.limit.resistance_ohm = {0.5, 2, 1};
+      pen.input.limit.power_max_W = 20;
+      pen.input.limit.bias_A = {0.3, -0.5, 1};
+      pen.input.limit.bias_fade_N = 0.5;
+      pen.input.limit.snapping_N = {0.1, 0.2, -0.4};
+      pen.input.limit.force_max_N = 0.45;
+    }
     const Placement placement{QuarterAbout(random.InBox(1), random.Uniform(0, 3)), {}};
     const Vec3 out = Normalized(random.InBox(1));
     for (int k = 0; k < 300; ++k) {

@@ -181,6 +181,8 @@ base::ForceLimit RandomLimit(Random& random) {
   limit.force_max_N = random.Uniform(0.05, 3);
   for (double& a : limit.ampere_per_newton) a += random.Uniform(-8, 8);
   for (double& a : limit.bias_A) a = random.Uniform(-3, 3);
+  for (double& r : limit.resistance_ohm) r = random.Uniform(0.5, 1);
+  limit.power_max_W = random.Uniform(30, 600);
   return limit;
 }
 

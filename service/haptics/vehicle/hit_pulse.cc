@@ -1,5 +1,7 @@
 #include "service/haptics/vehicle/hit_pulse.h"
 
+#include <algorithm>
+#include <array>
 #include <numbers>
 
 #include "service/base/force_limit.h"
@@ -7,28 +9,26 @@
 namespace omni::haptics {
 namespace {
 
-constexpr double kReserve = 0.9;  // of the headroom: the pose and the other forces change a little while a pulse runs
+constexpr double kRoomMax_N = 1e3;  // more than any device makes
+constexpr double kReserve = 0.9;    // of the headroom: the pose and the other forces change a little while a pulse runs
 
 }  // namespace
 
-// Along a ray the force is feasible until the first coil or the length is: |I_k + s dI_k| <= max_k, |f + s d| <= F.
+// Along a ray the force is feasible until the coils or the length are not: |f + s d| <= F, and start + s step within
+// the coils' limits, with all of the bias.
 double Headroom_N(const base::ForceLimit& limit, const Vec3& others_N, const Vec3& direction) noexcept {
   if (!limit.valid || !Within(others_N, 1e3) || !(limit.force_max_N > 0)) return 0;
-  // s^2 + 2 s (f . d) + f^2 - F^2 = 0
-  const double along = Dot(others_N, direction);
-  const double inside = limit.force_max_N * limit.force_max_N - SquaredNorm(others_N);
-  if (!(inside > 0)) return 0;
-  double room_N = std::sqrt(along * along + inside) - along;
-  for (std::size_t k = 0; k < base::kCoilCount; ++k) {
-    const double* row = &limit.ampere_per_newton[3 * k];
-    const Vec3 ampere_per_newton{row[0], row[1], row[2]};
-    const double present_A = limit.bias_A[k] + Dot(ampere_per_newton, others_N);
-    const double gain = Dot(ampere_per_newton, direction);
-    const double left_A = limit.current_max_A[k] - (gain > 0 ? present_A : -present_A);
-    if (!(left_A > 0 && std::abs(present_A) <= limit.current_max_A[k])) return 0;
-    if (std::abs(gain) * room_N > left_A) room_N = left_A / std::abs(gain);
-  }
-  return room_N >= 0 ? room_N : 0;
+  const base::LimitAlong length{.a = SquaredNorm(direction),
+                                .b = Dot(others_N, direction),
+                                .c = SquaredNorm(others_N) - limit.force_max_N * limit.force_max_N};
+  if (!(length.c < 0)) return 0;
+  const Vec3 start = base::Times(limit.ampere_per_newton, others_N);
+  const Vec3 step = base::Times(limit.ampere_per_newton, direction);
+  const std::array<double, base::kCoilCount> start_A{limit.bias_A[0] + start.x, limit.bias_A[1] + start.y,
+                                                     limit.bias_A[2] + start.z};
+  const std::array<double, base::kCoilCount> step_A{step.x, step.y, step.z};
+  if (!(base::LargestShare(limit, start_A, step_A, 0) >= 0)) return 0;
+  return std::max(0.0, base::LargestShare(limit, start_A, step_A, length.Cut(kRoomMax_N)));
 }
 
 double PulseAmplitude_N(const VehicleInput& car, const PulseLimits& limits, const Impact& impact) noexcept {
