@@ -121,13 +121,22 @@ base::ToolState Bridged(const TickConfig& config, const base::ToolState& tool, L
   return bridged;
 }
 
+// Whether the device makes less of a force than is wanted: scaled down, or with a direction faded out that the coils
+// cannot push there.
+bool IsCut(const base::ForceLimit& limit, const base::Vec3& wanted_N, double feasible) noexcept {
+  constexpr double kUnnoticed = 0.005;  // of its size
+  if (feasible < 1) return true;
+  return limit.near_singular && Norm(base::Rendered_N(limit, wanted_N) - wanted_N) > kUnnoticed * Norm(wanted_N);
+}
+
 // All that is rendered, under the gate and the last limiter; counts a waveform once when it reaches the command.
 base::Vec3 Mix(const base::Vec3& rest_N, const base::Vec3& vibration_N, const base::ForceLimit& limit,
                double force_scale, LoopState& state, TickOutput& output) noexcept {
   const base::Vec3 wanted = rest_N + vibration_N;
   const double gain = state.gate * std::clamp(force_scale, 0.0, 1.0);
   const double feasible = base::FeasibleScale(limit, wanted);
-  output.saturated = output.haptics.saturated || (gain > 0 && limit.valid && feasible < 1);
+  output.saturated = output.haptics.saturated || output.applied.saturated ||
+                     (gain > 0 && limit.valid && IsCut(limit, wanted, feasible));
   const base::Vec3 gated_N = (gain * feasible) * wanted;
   if (!IsFinite(gated_N)) output.faults |= kFaultNotFinite;
   const base::Vec3 force_N = LimitForce(limit, gated_N, state.limiter);

@@ -3,8 +3,11 @@
 
 #include <cmath>
 
+#include "service/actuation/actuation.h"
 #include "service/base/limits.h"
 #include "service/haptics/scene.h"
+#include "service/magnetics/nominal.h"
+#include "service/sim/fields/random.h"
 #include "tests/support/touch/scenario.h"
 
 namespace omni::test {
@@ -78,11 +81,48 @@ TEST(LoopForce, ExcessiveForceIsScaledAlongItsDirection) {
   push.Push({30, 0, 40}, 80);
   push.Run(40);
   const base::Vec3& f = push.scenario.output.wrench.force_N;
-  EXPECT_TRUE(push.scenario.output.saturated || push.scenario.force_N() <= 2.0 + 1e-9);
+  EXPECT_TRUE(push.scenario.output.saturated);
   EXPECT_LE(push.scenario.force_N(), 2.0 + 1e-9);
   EXPECT_GT(push.scenario.force_N(), 0.1);
   EXPECT_NEAR(f.x / push.scenario.force_N(), 0.6, 1e-6);
   EXPECT_NEAR(f.z / push.scenario.force_N(), 0.8, 1e-6);
+}
+
+// What the currents make at the tick's pose, core's pull included, against the request: `saturated` exactly when less
+// is made, and what is published is made. From 0.5 N on, where all of the pull is compensated.
+TEST(LoopForce, SaturatedExactlyWhenLessIsMadeThanRequested) {
+  constexpr double kAgree = 0.005;
+  sim::Random random(77);
+  base::Calibration exact = magnetics::NominalCalibration(config::DefaultDevice());
+  exact.expected_error_m = 5e-5;
+  int whole = 0, cut = 0;
+  for (const base::Vec3& tip : {base::Vec3{0, 0, 0.042}, base::Vec3{0.02, 0, 0.042}, base::Vec3{0, -0.03, 0.037},
+                                base::Vec3{0.02, 0.025, 0.04}, base::Vec3{0, 0, 0.058}}) {
+    sim::HandScript script;
+    script.name = "hold";
+    script.waypoints = {{.duration_s = 0, .tip_base_m = tip}};
+    PushScenario push(4.5, script);
+    push.scenario.config = loop::MakeTickConfig(config::DefaultDevice(), exact);
+    push.Run(600);
+    for (int trial = 0; trial < 40; ++trial) {
+      const base::Vec3 direction = Normalized(random.NormalVector(1));
+      const double request_N = random.Uniform(0.55, 2.6);
+      push.Push(request_N * direction, 100);
+      push.Run(50);
+      const loop::TickOutput& output = push.scenario.output;
+      if (output.tool.status != base::TrackingStatus::kTracking || output.near_singular) continue;
+      const base::Vec3 made_N =
+          actuation::ForceFromCurrents(push.scenario.config.actuation.map, output.tool, output.currents.current_A);
+      const base::Vec3& published_N = output.wrench.force_N;
+      if (Norm(published_N) < 0.5) continue;
+      EXPECT_LE(Norm(made_N - published_N), kAgree * Norm(published_N)) << "at " << tip.z << ", " << trial;
+      const bool less = Dot(made_N, direction) < (1 - kAgree) * request_N;
+      EXPECT_EQ(output.saturated, less) << request_N << " requested, " << Norm(made_N) << " made";
+      (less ? cut : whole) += 1;
+    }
+  }
+  EXPECT_GT(whole, 40);
+  EXPECT_GT(cut, 40);
 }
 
 TEST(LoopForce, StuckControlThreadEndsTheForce) {

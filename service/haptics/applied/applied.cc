@@ -259,6 +259,7 @@ void Apply(const AppliedConfig& config, const AppliedCommand& command, const App
   const Vec3 held_N = output.energy_gain * constraints.force_N;
   RememberForce(state.presence * held_N, state.energy);
   const Vec3 wanted_N = state.force_presence * force_N + state.presence * held_N;
+  output.saturated = Norm(wanted_N) > config.force_max_N;
   output.force_base_N = Limited(config, wanted_N, input.dt_s, state.last_N);
   state.last_N = output.force_base_N;
 }

@@ -75,6 +75,7 @@ static_assert(std::is_trivially_copyable_v<AppliedState>);
 struct AppliedOutput {
   base::Vec3 force_base_N;         // finite, slew-limited, at most force_max_N
   bool acts = false;               // a force or a constraint is active
+  bool saturated = false;          // more than force_max_N was requested
   bool stiffness_limited = false;  // a constraint that acts is softer or less damped than requested
   double energy_gain = 1;          // < 1: constraints gave energy to the hand, or made it swing, and are reduced
 };
