@@ -52,6 +52,12 @@ Vec3 Rendered_N(const ForceLimit& limit, const Vec3& force_N) noexcept;
 // The largest force that is made along `direction` (any length) by requests in that direction; 0 in doubt.
 double ForceMax_N(const ForceLimit& limit, const Vec3& direction) noexcept;
 
+// Force on the tool while `current_A` flow. Zero where the pose is unknown.
+inline Vec3 ForceOf_N(const ForceLimit& limit, const std::array<double, kCoilCount>& current_A) noexcept {
+  if (!limit.valid) return {};
+  return Times(limit.newton_per_ampere, {current_A[0], current_A[1], current_A[2]}) + limit.snapping_N;
+}
+
 // Torque on the tool while `current_A` flow, about the magnet's centre. Zero where the pose is unknown.
 inline Vec3 TorqueOf_Nm(const ForceLimit& limit, const std::array<double, kCoilCount>& current_A) noexcept {
   if (!limit.valid) return {};

@@ -9,24 +9,24 @@ namespace omni::haptics {
 
 using base::Vec3;
 
+// Of the hand's damping that a surface may take: by the rule of stability.h half of b = 1 Ns/m   (3.2)
+inline constexpr double kMayTake_Ns_m = 0.5;
+
 // One tick of all contacts as this watch and that of swing_watch.h see it.
 struct ContactTick {
-  Vec3 tip;  // as measured, not predicted, base frame, m
+  Vec3 tip;           // as measured, not predicted, base frame, m
+  Vec3 velocity_m_s;  // of it
   double dt_s = 0;
-  double noise_m = 0;        // standard deviation of the tip
-  Vec3 force_N;              // of what is touched, before any gain
-  double stiffness_N_m = 0;  // of the stiffest spring that acts; 0: nothing is touched
-  double stored_J = 0;       // in the springs of all contacts now
-  double lag_s = 0;      // (3.1): force and motion belong to the same instant, the force was sent this long before the
-                         // tip moved; not a number: no energy is counted
-  bool judged = false;   // for swings: nothing else moves the hand, or what it touches
+  double noise_m = 0, velocity_noise_m_s = 0;  // standard deviations of both
+  Vec3 force_N;                                // of what is touched, before any gain
+  double stiffness_N_m = 0;                    // of the stiffest spring that acts; 0: nothing is touched
+  double stored_J = 0;                         // in the springs of all contacts now
+  ActingForce acting;                          // on the pen when the tip was measured
+  bool judged = false;                         // for swings: nothing else moves the hand, or what it touches
   bool passive = false;  // for energy: nothing but contacts with surfaces at rest acts, at their full force
 };
 
 // Gain in [0.1, 1] on the contact forces of this tick.
 double WatchEnergy(const ContactTick& tick, EnergyState& state) noexcept;
-
-// The force that left the renderer in this tick. Call once per tick, after WatchEnergy.
-void RememberForce(const Vec3& force_N, EnergyState& state) noexcept;
 
 }  // namespace omni::haptics

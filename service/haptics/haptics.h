@@ -50,6 +50,14 @@ struct Placement {
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
+// Force of the coils on the pen at the instant of a sample, from the currents measured with it: what was commanded
+// before, however late it has arrived.
+struct ActingForce {
+  bool known = false;
+  base::Vec3 force_N;  // base frame
+  double share = 1;    // of what is rendered that is passed on to the coils
+};
+
 struct Input {
   std::int64_t t_ns = 0;
   double dt_s = 1e-3;              // time since the last tick, clamped to [0, 5 ms] by the caller
@@ -60,6 +68,7 @@ struct Input {
   base::PointNoise noise_along;    // along the pen's axis
   base::Vec3 axis_base;            // of the pen, unit; zero: noise is alike in all directions
   double delay_s = 0;              // measured: sample instant to the control step that acts; 0: not known
+  ActingForce acting;
   base::ForceLimit limit;
   std::span<const ObjectPose> poses;          // at t_ns, at most kMaxMoved; objects not named stay where they are
   std::span<const MaterialChange> materials;  // all that differ from the scene's, at most kMaxLiveMaterials

@@ -90,6 +90,7 @@ Input InScene(const Input& input, const Frame& before, const Frame& now, bool mo
   }
   seen.velocity_base_m_s = now.RestDirection(velocity_m_s);
   seen.axis_base = now.RestDirection(input.axis_base);
+  seen.acting.force_N = now.RestDirection(input.acting.force_N);
   seen.limit = InScene(input.limit, now);
   seen.scene_motion = leaps ? SceneMotion::kLeaps : moves ? SceneMotion::kMoves : SceneMotion::kStill;
   return seen;

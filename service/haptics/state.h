@@ -103,23 +103,23 @@ struct StiffnessBoundState {
   double damping_Ns_m = 0;                      // the bound
 };
 
-inline constexpr std::uint32_t kEnergyHistory = 32;
-
 // What contacts have given to the hand: haptics/energy_watch.h.
 struct EnergyState {
-  std::array<base::Vec3, kEnergyHistory> sent_N{};  // forces of the last ticks, a ring
-  std::uint32_t next = 0;
   bool has_tip = false;
   base::Vec3 tip;
+  ActingForce acting;
   double given_J = 0;
   double gain = 1;  // on contact forces
   std::uint32_t leaking_ticks = 0;
 };
 
-inline constexpr std::size_t kSwingBands = 3;
+inline constexpr std::size_t kSwingBands = 4;
 
 struct SwingBandState {
-  double swing_N = 0;                  // what is left of the force's changes above the band's corner
+  double swing_N = 0, acting_N = 0;    // of the contact's and the acting force's changes: what is above the corner
+  double fed_J = 0, motion_m2_s = 0;   // work of that force and integral of v^2; earlier half swings count less
+  double step_m = 0, step_s = 0;       // of that integral
+  double damping_Ns_m = 0;             // that the force took from the hand over the last half swings
   double half_s = 0, last_half_s = 0;  // since it changed sides; of the half before
   double peak_N = 0, last_peak_N = 0;
   int side = 0;
@@ -133,8 +133,13 @@ struct SwingState {
   double stiffness_N_m = 0;
   double left_s = 0;  // time since anything was touched
   bool has_tip = false;
-  base::Vec3 tip;
-  double gain = 1;  // on the forces
+  base::Vec3 tip;  // at the last tick
+  ActingForce acting;
+  double gain = 1;                           // on the forces
+  double held = 1;                           // what the hand holds: the gain comes back to it
+  double cut_s = 0, idle_s = 0;              // since the last cut; since anything moved
+  double first_peak_N = 0, last_peak_N = 0;  // of the motion soon after the cut, and later
+  bool own = false;                          // the hand trembles by itself
 };
 
 // A soft body that is touched: slot k of its contacts is State::contacts[k].
@@ -184,6 +189,7 @@ struct State {
   double left_fade_s = 0;  // ... which fades out over this time
   double ramp = 0;         // 0..1 gain on contact forces
   base::Vec3 last_force_N;
+  double felt_share = 1;  // of the contacts' force, by the limit of the last tick
   double texture_phase = 0;
   double far_distance_m = 0;  // motion bound: nothing can be touched before the tip moved this far
   base::Vec3 far_origin_base_m;

@@ -251,10 +251,12 @@ Touched Touch(const Scene& scene, const StiffnessBound& bound, const Input& inpu
 // Vector scaling to what the device can do, then the slew limit. Where the limit itself falls faster than the slew, the
 // limit wins; where nothing is known about it (no pose), the force fades out under the slew.   (10.1), (10.2)
 void Limit(const Config& config, const Input& input, const Vec3& wanted_N, State& state, Output& output) noexcept {
+  state.felt_share = 1;
   if (wanted_N == Vec3{} && state.last_force_N == Vec3{}) return;  // a far tip costs nothing
   const bool known = input.tracked && input.limit.valid;
   const double scale = known ? base::FeasibleScale(input.limit, wanted_N) : 0;
   output.saturated = known && scale < 1;
+  state.felt_share = scale;
   const Vec3 target_N = scale > 0 ? scale * wanted_N : Vec3{};
   const Vec3 change_N = target_N - state.last_force_N;
   const double most_N = std::max(0.0, config.force_slew_N_s) * input.dt_s;
@@ -290,15 +292,18 @@ bool Remember(const Config& config, const Input& input, State& state) noexcept {
   return steady;
 }
 
-double Watch(const Config& config, const Input& measured, const Touched& touched, bool steady, bool passive,
-             State& state) noexcept {
+// A spring K d that a limit cuts to the share s has taken up K d^2 (s - s^2 / 2).
+double Watch(const Input& measured, const Touched& touched, bool steady, bool passive, State& state) noexcept {
+  const double share = state.felt_share;
   return WatchContacts({.tip = measured.device_point_base_m,
+                        .velocity_m_s = measured.velocity_base_m_s,
                         .dt_s = measured.dt_s,
                         .noise_m = std::sqrt(std::max(0.0, measured.noise.position_m2)),
+                        .velocity_noise_m_s = std::sqrt(std::max(0.0, measured.noise.velocity_m2_s2)),
                         .force_N = touched.contacts_N,
                         .stiffness_N_m = touched.stiffness_N_m,
-                        .stored_J = touched.stored_J,
-                        .lag_s = LoopLag_s(config, measured),
+                        .stored_J = measured.acting.share * share * (2 - share) * touched.stored_J,
+                        .acting = measured.acting,
                         .judged = steady && !touched.moving && !measured.pushed,
                         .passive = passive},
                        state.swing, state.energy);
@@ -317,7 +322,7 @@ void Render(const Config& config, const StiffnessBound& bound, const Scene& scen
         touched.others_N + Play(config, bound, scene, input, touched.contacts_N + touched.others_N, state, output);
   }
   const bool passive = steady && state.ramp == 1 && !touched.moving && !input.pushed && others_N == Vec3{};
-  output.energy_gain = Watch(config, measured, touched, steady, passive, state);
+  output.energy_gain = Watch(measured, touched, steady, passive, state);
   const Vec3 wanted_N = output.energy_gain * touched.contacts_N + others_N;
   Limit(config, input, input.tracked ? state.ramp * wanted_N : Vec3{}, state, output);
 }
@@ -333,11 +338,10 @@ void StepClean(const Config& config, const Scene& scene, const Input& input, Sta
   }
   output.stiffness_offered_N_m = bound.along_N_m;
   if (state.last_force_N == Vec3{} && NothingHere(scene, input, tip, state)) {
-    output.energy_gain = Watch(config, input, {}, steady, steady && state.ramp == 1, state);
+    output.energy_gain = Watch(input, {}, steady, steady && state.ramp == 1, state);
   } else {
     Render(config, bound, scene, input, tip, steady, state, output);
   }
-  RememberForce(output.force_base_N, state.energy);
   if (!input.tracked) return;
   if (state.ramp < 1) state.ramp = config.ramp_s > 0 ? std::min(1.0, state.ramp + input.dt_s / config.ramp_s) : 1;
   state.was_tracked = true;

@@ -2,52 +2,146 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace omni::haptics {
 namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+enum class Cause : std::uint8_t {
+  kFast,   // no hand moves like that
+  kLight,  // the swing of a hand too light for its damping to be relied on
+  kFed,    // a hand can move like that: a swing if the surface feeds it
+};
 
 // Half swings of a kind: slower motion than `corner_Hz` is no swing; two last at most `period_max_s` (where the tip
 // leaves the surface one is longer than the other) and each reaches `least_N`.
 struct Band {
   double corner_Hz, period_max_s, least_N;
+  Cause cause;
   bool in_touch;  // what leaves the surface in between is a hand that taps
 };
 constexpr std::array<Band, kSwingBands> kBands{{
-    {16, 0.062, 0.005, false},  // no hand moves like that ...
-    {6, 0.120, 0.100, false},   // ... nor so far so fast
-    {3, 0.340, 0.100, true},    // more than any tremor
+    {16, 0.062, 0.005, Cause::kFast, false},
+    {6, 0.120, 0.100, Cause::kLight, false},
+    {6, 0.120, 0.100, Cause::kFed, false},
+    {3, 0.340, 0.100, Cause::kFed, true},
 }};
+constexpr std::size_t kSlowest = kSwingBands - 1;
 constexpr double kNoises = 3;  // standard deviations that are no swing
 constexpr int kHalves = 3;
 constexpr double kLasts = 0.95;  // of the half swing before: less is one that dies away
-// A swinging contact keeps this share of its stiffness, and at most b / (2 D) = 5 N/m: a hand of b = 0.1 Ns/m holds
-// that still against replies that take D = 10 ms.
+
+// The heaviest light hand and its softest spring: nothing lighter swings slower.
+constexpr double kLightMass_kg = 0.0525, kLightStiffness_N_m = 130;
+constexpr double kLightDamping_Ns_m = 0.04;  // of which a surface may take so much, less than the least that it has
+// More than kMayTake_Ns_m by what noise adds: ordinary hands reach 0.71 (tests/haptics/swing.cc).
+constexpr double kFed_Ns_m = 0.8;
+constexpr double kKeep = 0.85;      // of the work of earlier half swings
+constexpr double kStep_s = 4.5e-3;  // the speed over less is mostly noise
+// A light hand keeps this share of the stiffness, and at most b / (2 D) = 5 N/m: a hand of b = 0.1 Ns/m holds that
+// still against replies that take D = 10 ms.
 constexpr double kFall = 0.2, kGainMin = 0.01, kLeft_N_m = 5;
+constexpr double kHeld = 0.08;   // and gets back at most this share while it touches
 constexpr double kLeft_s = 0.1;  // in the air: forgotten
+constexpr double kIdle_s = 0.5, kIdle_N = 0.1, kRise_s = 0.3, kForget_s = 500;
+// After a cut, a swing that was fed has died away by the second window to less than this share of the first.
+constexpr double kFirst_s[] = {0.3, 0.8}, kSecond_s[] = {1.5, 2.0}, kGoesOn = 0.6;
+
+// T = 2 pi sqrt(m / (g K + k))
+double LightPeriod_s(double stiffness_N_m) noexcept {
+  return 2 * kPi * std::sqrt(kLightMass_kg / (stiffness_N_m + kLightStiffness_N_m));
+}
+
+// What a tick adds to the swing.
+struct Change {
+  double stiffness_N_m, dt_s;
+  double moved_N;   // K dx . n
+  double acting_N;  // of the acting force along n
+};
+
+// s <- (s + K dx . n) (1 - 2 pi f dt), and likewise the acting force; W = sum F dx over both, V = sum v^2 dt.
+void FollowMotion(const Band& band, const Change& change, SwingBandState& state) noexcept {
+  const double keep = std::max(0.0, 1 - 2 * kPi * band.corner_Hz * change.dt_s);
+  const double swing_N = (state.swing_N + change.moved_N) * keep, acting_N = (state.acting_N + change.acting_N) * keep;
+  const double moved_m = (swing_N - state.swing_N) / change.stiffness_N_m;
+  state.fed_J += 0.5 * (acting_N + state.acting_N) * moved_m;
+  state.step_m += moved_m;
+  state.step_s += change.dt_s;
+  if (state.step_s >= kStep_s) {
+    state.motion_m2_s += state.step_m * state.step_m / state.step_s;
+    state.step_m = state.step_s = 0;
+  }
+  state.swing_N = swing_N;
+  state.acting_N = acting_N;
+  state.half_s += change.dt_s;
+  state.peak_N = std::max(state.peak_N, std::abs(swing_N));
+}
 
 // True: too many half swings did not die away, and another has not.
-bool FollowBand(const Band& band, double change_N, double least_N, double dt_s, SwingBandState& state) noexcept {
-  state.swing_N += change_N;
-  state.swing_N *= std::max(0.0, 1 - 2 * 3.14159265358979 * band.corner_Hz * dt_s);
-  state.half_s += dt_s;
-  state.peak_N = std::max(state.peak_N, std::abs(state.swing_N));
+bool FollowBand(const Band& band, double half_max_s, const Change& change, double least_N,
+                SwingBandState& state) noexcept {
+  FollowMotion(band, change, state);
   if (state.half_s > band.period_max_s) state.halves = 0;
   const int side = state.swing_N > least_N ? 1 : state.swing_N < -least_N ? -1 : 0;
   if (side == 0 || side == state.side) return false;
-  const bool fast = state.half_s + state.last_half_s <= band.period_max_s;
+  const bool fast =
+      state.half_s + state.last_half_s <= band.period_max_s && std::min(state.half_s, state.last_half_s) <= half_max_s;
   const bool lasts = fast && state.last_peak_N > 0 && state.peak_N > kLasts * state.last_peak_N;
-  state.last_half_s = state.half_s;
   state.halves = std::clamp(state.halves + (lasts ? 1 : -1), 0, kHalves);
+  state.damping_Ns_m = state.motion_m2_s > 0 ? state.fed_J / state.motion_m2_s : 0;
+  state.last_half_s = state.half_s;
   state.last_peak_N = state.peak_N;
   state.peak_N = std::abs(state.swing_N);
   state.side = side;
   state.half_s = 0;
+  state.fed_J *= kKeep;
+  state.motion_m2_s *= kKeep;
   return lasts && state.halves == kHalves;
+}
+
+// The work W = c V that a swing took from the hand is proportional to the gain: c g' / g of damping is taken at g'.
+void Cut(const Band& band, double taken_Ns_m, SwingState& state) noexcept {
+  if (band.cause == Cause::kFed) {
+    if (!(taken_Ns_m > kFed_Ns_m)) return;
+    state.gain *= std::max(kFall, kMayTake_Ns_m / taken_Ns_m);
+    state.held = std::min(state.held, state.gain);
+  } else {
+    const double share = taken_Ns_m > 0 ? std::min(kHeld, kLightDamping_Ns_m / taken_Ns_m) : kHeld;
+    state.held = std::min(state.held, share * state.gain);
+    state.gain = std::min(kFall * state.gain, kLeft_N_m / state.stiffness_N_m);
+  }
+  state.gain = std::max(kGainMin, state.gain);
+  state.held = std::max(kGainMin, state.held);
+  state.cut_s = state.idle_s = state.first_peak_N = state.last_peak_N = 0;
+}
+
+// The gain comes back to what the hand holds once nothing moves; and wholly if what moves has gone on without the
+// surface: a tremor of the hand's own.
+void Recover(double idle_N, double dt_s, SwingState& state) noexcept {
+  const double moves_N = std::abs(state.bands[kSlowest].swing_N);
+  const auto during = [&state](const double(&window_s)[2]) {
+    return state.cut_s > window_s[0] && state.cut_s < window_s[1];
+  };
+  state.cut_s += dt_s;
+  state.idle_s = moves_N > idle_N ? 0 : state.idle_s + dt_s;
+  const bool idle = state.idle_s >= kIdle_s;
+  if (during(kFirst_s)) state.first_peak_N = std::max(state.first_peak_N, moves_N);
+  if (during(kSecond_s)) state.last_peak_N = std::max(state.last_peak_N, moves_N);
+  if (idle) state.first_peak_N = std::numeric_limits<double>::infinity();
+  if (state.cut_s >= kSecond_s[1] && state.last_peak_N > kGoesOn * state.first_peak_N) {
+    state.own = true;
+    state.held = 1;
+  }
+  if (!idle && !state.own) return;
+  state.held = std::min(1.0, state.held + dt_s / kForget_s);
+  state.gain = std::min(state.held, state.gain + dt_s / kRise_s);
 }
 
 }  // namespace
 
-//   s <- (s + K dx . n) (1 - 2 pi f dt)
 double WatchSwings(const ContactTick& tick, SwingState& state) noexcept {
   const double force_N = Norm(tick.force_N);
   const bool touches = force_N > 0 && tick.stiffness_N_m > 0;
@@ -56,7 +150,7 @@ double WatchSwings(const ContactTick& tick, SwingState& state) noexcept {
   if (state.left_s > kLeft_s || !tick.judged) {
     const double gain = tick.judged ? 1 : state.gain;
     state = {};
-    state.gain = gain;
+    state.gain = state.held = gain;
     return gain;
   }
   if (touches) {
@@ -64,17 +158,25 @@ double WatchSwings(const ContactTick& tick, SwingState& state) noexcept {
     state.direction = (sign / force_N) * tick.force_N;
     state.stiffness_N_m = tick.stiffness_N_m;
   }
-  const double change_N = state.has_tip ? state.stiffness_N_m * Dot(tick.tip - state.tip, state.direction) : 0;
-  state.tip = tick.tip;
-  state.has_tip = true;
-  for (std::size_t b = 0; b < kSwingBands; ++b) {
-    if (!touches && kBands[b].in_touch) state.bands[b] = {};
-    const double noise_N = kNoises * state.stiffness_N_m * tick.noise_m;
-    const double least_N = std::max(kBands[b].least_N / state.gain, noise_N);
-    if (FollowBand(kBands[b], change_N, least_N, tick.dt_s, state.bands[b])) {
-      state.gain = std::max(kGainMin, std::min(kFall * state.gain, kLeft_N_m / state.stiffness_N_m));
-    }
+  Change change{state.stiffness_N_m, tick.dt_s, 0, 0};
+  if (state.has_tip) change.moved_N = state.stiffness_N_m * Dot(tick.tip - state.tip, state.direction);
+  if (state.has_tip && tick.acting.known && state.acting.known) {
+    change.acting_N = Dot(tick.acting.force_N - state.acting.force_N, state.direction);
   }
+  state.tip = tick.tip;
+  state.acting = tick.acting;
+  state.has_tip = true;
+  const double noise_N = kNoises * state.stiffness_N_m * tick.noise_m;
+  for (std::size_t b = 0; b < kSwingBands; ++b) {
+    const Band& band = kBands[b];
+    if (!touches && band.in_touch) state.bands[b] = {};
+    if (band.cause == Cause::kLight && state.own) continue;
+    const double half_max_s =
+        band.cause == Cause::kLight ? 0.5 * LightPeriod_s(state.gain * state.stiffness_N_m) : band.period_max_s;
+    const double least_N = std::max(band.least_N / state.gain, noise_N);
+    if (FollowBand(band, half_max_s, change, least_N, state.bands[b])) Cut(band, state.bands[b].damping_Ns_m, state);
+  }
+  if (state.gain < 1) Recover(std::max(kIdle_N, noise_N), tick.dt_s, state);
   return state.gain;
 }
 

@@ -76,6 +76,7 @@ struct RoomSample {
   static constexpr std::int64_t kEvery_ns = 15'500'000;  // every sixteenth scan, on the base's clock
   base::HallScan scan;
   base::ToolState tool;
+  double contact_gain = 1;  // ContactGain
 };
 
 struct TickStatistics {

@@ -57,7 +57,15 @@ void CarryOrientation(const base::ToolState& tool, LoopState& state, TickOutput&
   output.orientation_base_tool = base::FromEigen(R_BT);
 }
 
-haptics::Input MakeHapticInput(const base::ToolState& tool, const base::ForceLimit& limit, double delay_s, double dt_s,
+// Of the current at the end of the scan's tick, where the device sends it, else of its mean over the tick.
+haptics::ActingForce ActingForceOf(const base::HallScan& scan, const base::ForceLimit& limit, double share) noexcept {
+  const auto& current_A = scan.has_steps != 0 ? scan.step_current_A.back() : scan.coil_current_A;
+  const base::Vec3 force_N = base::ForceOf_N(limit, current_A);
+  return {limit.valid && IsFinite(force_N), force_N, share};
+}
+
+haptics::Input MakeHapticInput(const base::ToolState& tool, const base::ForceLimit& limit,
+                               const haptics::ActingForce& acting, double delay_s, double dt_s,
                                const LoopState& state) noexcept {
   return {.t_ns = tool.t_ns,
           .dt_s = dt_s,
@@ -68,6 +76,7 @@ haptics::Input MakeHapticInput(const base::ToolState& tool, const base::ForceLim
           .noise_along = tool.device_point_noise_along,
           .axis_base = tool.axis_base,
           .delay_s = delay_s,
+          .acting = acting,
           .limit = limit,
           .poses = {},
           .pushed = state.applied.force_presence > 0};
@@ -86,7 +95,7 @@ base::Vec3 Push(const TickConfig& config, const Commands& commands, const haptic
                                     .velocity_base_m_s = felt.velocity_base_m_s,
                                     .tip_sigma_m = std::sqrt(std::max(0.0, felt.noise.position_m2)),
                                     .velocity_sigma_m_s = std::sqrt(std::max(0.0, felt.noise.velocity_m2_s2)),
-                                    .lag_s = haptics::LoopLag_s(config.haptics, felt),
+                                    .acting = felt.acting,
                                     .bound = haptics::StiffnessBoundOf(felt.axis_base, state.haptics.bound),
                                     .contacts = &output.haptics};
   haptics::Apply(config.applied, commands.applied, input, state.applied, output.applied);
@@ -205,7 +214,10 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   NarrowLimit(config.limiter, PoseTrust(config.limiter, PoseError_m(tool)), held ? 0.0 : dt_s, limit);
   TellLimits(config, limit, output);
   const double delay_s = 1e-9 * static_cast<double>(scan.response_ns);
-  const haptics::Input felt = MakeHapticInput(tool, limit, delay_s, dt_s, state);
+  const double share = state.gate * std::clamp(commands.force_scale, 0.0, 1.0);
+  haptics::ActingForce acting = ActingForceOf(scan, limit, share);
+  acting.known = acting.known && !state.pulses;
+  const haptics::Input felt = MakeHapticInput(tool, limit, acting, delay_s, dt_s, state);
   RenderScene(config, commands.scene, scene, felt, state, output);
   const base::Vec3 detent_N = FollowInputs(config, commands, feeds.keys, tool, dt_s, state, output);
   const base::Vec3 applied_N = Push(config, commands, felt, state, output);
@@ -213,6 +225,7 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   const base::Vec3 vibration_N =
       VibrationForce_N(config.vibration, commands.haptic, feeds.samples, dt_s, state.vibration) * tool.axis_base;
 
+  state.pulses = detent_N != base::Vec3{} || vibration_N != base::Vec3{};
   const base::Vec3 force_N = Mix(pushed_N, vibration_N, limit, commands.force_scale, state, output);
   actuation::Allocate(config.actuation, limit, force_N, dt_s, state.actuation, output.currents);
   output.wrench = {.force_N = force_N,

@@ -84,6 +84,7 @@ struct LoopState {
   double gate = 0;                     // 0..1 gain on everything rendered
   std::uint64_t scene_generation = 0;  // of the scene passed to Tick
   VibrationState vibration;
+  bool pulses = false;  // the last tick added a vibration or a detent to what haptics renders
   ForceLimiterState limiter;
   std::uint64_t haptic_pulses = 0;
   SceneMotionState scene_motion;
@@ -113,6 +114,11 @@ struct TickOutput {
   bool warm = false;           // coils may carry less current than cold ones
 };
 static_assert(std::is_trivially_copyable_v<TickOutput>);
+
+// Share of the forces of contacts and constraints that the watches of docs/theory/haptics.md (3.9), (3.10) leave.
+inline double ContactGain(const TickOutput& output) noexcept {
+  return std::min(output.haptics.energy_gain, output.applied.energy_gain);
+}
 
 enum TickFault : std::uint32_t {
   kFaultDevice = 1,     // the device reports faults

@@ -69,7 +69,7 @@ void TickThread::WriteSurfaces(std::int64_t t_ns) noexcept {
 void TickThread::WriteRoom(const base::HallScan& scan) noexcept {
   if (base::StampDifference_ns(scan.t_ns, room_written_ns_) < RoomSample::kEvery_ns) return;
   room_written_ns_ = scan.t_ns;
-  room_.WriteWith([&](RoomSample& sample) { sample = {scan, record_.output.tool}; });
+  room_.WriteWith([&](RoomSample& sample) { sample = {scan, record_.output.tool, ContactGain(record_.output)}; });
 }
 
 void TickThread::Once(const base::HallScan& scan) noexcept {

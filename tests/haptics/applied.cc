@@ -26,7 +26,7 @@ StiffnessBound Generous() {
 struct Bench {
   AppliedConfig config;
   AppliedCommand command{.open = true};
-  AppliedInput input{.t_ns = 1'000'000'000, .tracked = true, .lag_s = 3e-3, .bound = Generous()};
+  AppliedInput input{.t_ns = 1'000'000'000, .tracked = true, .bound = Generous()};
   AppliedState state;
   AppliedOutput output;
 

@@ -129,6 +129,86 @@ TEST_F(SwingWatchHand, SwingReducesGainUntilContactEnds) {
   EXPECT_EQ(Move(-3e-3, 0, 1, 0.5), 1);
 }
 
+// The surface is soft while nothing tells whether the hand still swings, and hard again when it rests.
+TEST_F(SwingWatchHand, RestWhileTouchingBringsStiffnessBack) {
+  EXPECT_LT(Move(-3e-3, 2e-4, 25, 1), 0.05);
+  const double soft = pen_->output.energy_gain;
+  EXPECT_EQ(Move(-3e-3, 0, 1, 0.45), soft);
+  EXPECT_GT(Move(-3e-3, 0, 1, 0.5), 1.5 * soft);
+}
+
+// A motion that goes on without the surface is the hand's own, even where a light hand would swing like that.
+TEST_F(SwingWatchHand, MotionThatGoesOnWithoutTheSurfaceGetsItBack) {
+  EXPECT_LT(Move(-3e-3, 4e-4, 14, 1), 0.1);
+  EXPECT_LT(Move(-3e-3, 4e-4, 14, 1), 0.1);
+  EXPECT_EQ(Move(-3e-3, 4e-4, 14, 2), 1);
+  EXPECT_EQ(Move(-3e-3, 4e-4, 14, 3), 1);
+}
+
+// Ordinary hands, damped as people's are: whatever they do by themselves, they keep the wall.
+WallHand FirmHand(double stiffness_N_m) { return {0.12, 0.01 * stiffness_N_m + 1, stiffness_N_m}; }
+
+// Ticks of a run for which the gain was under a half half a second before, and still is.
+int LostTicks(const WallRun& run) {
+  int lost = 0;
+  for (std::size_t i = 500; i < run.gain.size(); ++i) lost += run.gain[i] < 0.5 && run.gain[i - 500] < 0.5;
+  return lost;
+}
+
+TEST(OrdinaryHand, RhythmicPressKeepsTheWall) {
+  for (const double hand_N_m : {100.0, 200.0, 400.0, 500.0}) {
+    for (const double rate_Hz : {1, 3, 4, 5, 8}) {
+      for (const double press_m : {1e-3, 2e-3}) {
+        SCOPED_TRACE(testing::Message() << hand_N_m << " N/m, " << rate_Hz << " Hz, " << press_m << " m");
+        const WallRun run =
+            PressWall(FirmHand(hand_N_m), {.delay_s = 1e-3, .noise_m = 1e-4},
+                      {.hold_s = 3, .press_m = press_m, .press_Hz = rate_Hz}, WallRule::kBounded, kAsked_N_m, 7);
+        EXPECT_EQ(run.least_gain, 1);
+      }
+    }
+  }
+}
+
+TEST(OrdinaryHand, TremorKeepsTheWall) {
+  for (const double hand_N_m : {100.0, 200.0, 400.0}) {
+    for (const double tremor_m : {2e-4, 5e-4, 1e-3, 3e-3}) {
+      for (const sim::TremorBand band : {sim::TremorBand{4, 6}, sim::TremorBand{8, 12}, sim::TremorBand{4, 12}}) {
+        SCOPED_TRACE(testing::Message() << hand_N_m << " N/m, " << tremor_m << " m from " << band.from_Hz << " Hz");
+        const WallRun run =
+            PressWall(FirmHand(hand_N_m), {.delay_s = 1e-3, .noise_m = 2e-5},
+                      {.hold_s = 4, .tremor_m = tremor_m, .tremor = band}, WallRule::kBounded, kAsked_N_m, 7);
+        EXPECT_EQ(LostTicks(run), 0);
+      }
+    }
+  }
+}
+
+// From .1 kg, at up to 8 Hz, leaving the wall each time.
+TEST(OrdinaryHand, TapsKeepTheWall) {
+  for (const double mass_kg : {0.1, 0.2}) {
+    for (const double rate_Hz : {4, 6, 8}) {
+      for (const double press_m : {3e-3, 6e-3}) {
+        SCOPED_TRACE(testing::Message() << mass_kg << " kg, " << rate_Hz << " Hz, " << press_m << " m");
+        const WallRun run = PressWall({mass_kg, 3, 200}, {.delay_s = 1e-3, .noise_m = 5e-5},
+                                      {.depth_m = 1e-3, .hold_s = 4, .press_m = press_m, .press_Hz = rate_Hz},
+                                      WallRule::kBounded, kAsked_N_m, 7);
+        EXPECT_EQ(run.least_gain, 1);
+      }
+    }
+  }
+}
+
+// Responses four times later than reported: the wall keeps what the hand holds, not a tenth of it.
+TEST(SwingWatch, CutsToWhatAFirmHandHoldsWithLateReplies) {
+  for (const double mass_kg : {0.1, 0.2}) {
+    SCOPED_TRACE(mass_kg);
+    const WallRun run = PressWall({mass_kg, 1}, {.delay_s = 1e-3, .late_s = 4e-3, .noise_m = 1e-4}, {},
+                                  WallRule::kBounded, kAsked_N_m, 3);
+    EXPECT_LT(run.gain.back(), 0.8);
+    EXPECT_GT(run.gain.back(), 0.05);
+  }
+}
+
 TEST_F(SwingWatchHand, TrackingNoiseKeepsFullGain) {
   std::mt19937 generator(3);
   std::normal_distribution<double> normal;

@@ -251,5 +251,24 @@ TEST_P(RoomWatchAtPeace, UndisturbedRoomHasNoFindings) {
   EXPECT_TRUE(reported.kinds.empty()) << *reported.kinds.begin();
 }
 
+// Ten seconds after the last one.
+TEST(RoomWatch, ReportsSoftenedContactsForTenSeconds) {
+  daemon::RoomWatch watch(nullptr);
+  loop::RoomSample sample;
+  const auto wait = [&](double seconds, double contact_gain) {
+    sample.contact_gain = contact_gain;
+    for (int k = 0; k < seconds / 0.1; ++k) {
+      sample.scan.t_ns += 100'000'000;
+      watch.Add(sample);
+    }
+    return std::count_if(watch.findings().begin(), watch.findings().end(),
+                         [](const daemon::RoomFinding& finding) { return finding.kind == "contact-softened"; });
+  };
+  EXPECT_EQ(wait(3, 1), 0);
+  EXPECT_EQ(wait(2, 0.2), 1);
+  EXPECT_EQ(wait(8, 1), 1);
+  EXPECT_EQ(wait(4, 1), 0);
+}
+
 }  // namespace test_room_watch
 }  // namespace omni::test

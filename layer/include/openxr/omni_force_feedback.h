@@ -84,7 +84,8 @@ static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_OUT_OF_W
 static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_EMERGENCY_STOP_BIT_OMNIX1 = 0x00000010;
 /* No data from the device for 100 ms: its service ended, or it was unplugged. */
 static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_STALE_BIT_OMNIX1 = 0x00000020;
-/* Constraints are rendered less stiff or less damped than requested, to stay stable. */
+/* Constraints are rendered less stiff or less damped than requested, to stay stable; or what is touched, a surface or a
+   constraint, made the hand swing and is softer for now. */
 static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_STIFFNESS_LIMITED_BIT_OMNIX1 = 0x00000040;
 /* Another application has the device. */
 static const XrForceFeedbackStateFlagBitsOMNIX1 XR_FORCE_FEEDBACK_STATE_IN_USE_BIT_OMNIX1 = 0x00000080;

@@ -24,7 +24,9 @@ std::uint32_t Flags(const loop::TickOutput& output) noexcept {
   if (output.warm) flags |= protocol::kToolWarm;
   if (output.out_of_reach) flags |= protocol::kToolOutOfReach;
   if ((output.faults & loop::kFaultDevice) != 0) flags |= protocol::kToolDeviceFault;
-  if (output.applied.stiffness_limited) flags |= protocol::kToolStiffnessLimited;
+  const bool softened = loop::ContactGain(output) < 1;
+  if (softened) flags |= protocol::kToolSoftened;
+  if (output.applied.stiffness_limited || softened) flags |= protocol::kToolStiffnessLimited;
   return flags;
 }
 

@@ -1,5 +1,6 @@
 #include "service/daemon/devices/room_watch.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -15,6 +16,15 @@ RoomFinding Swapped(const std::pair<int, int>& pair) {
                   " are swapped (cables or addresses): a pose explains their readings only when they are exchanged",
           .fix = "exchange their cables or addresses"};
 }
+
+RoomFinding Softened() {
+  return {.kind = "contact-softened",
+          .sensors = {},
+          .what = "what the pen touches made it swing, or gave it energy, and is softer for now",
+          .fix = "hold the pen more firmly; if it comes back, other programs may be delaying omnid: omni doctor"};
+}
+
+constexpr int kSoftened_s = 10;
 
 }  // namespace
 
@@ -32,6 +42,7 @@ bool RoomWatch::Add(const loop::RoomSample& sample) {
   ++samples_;
   near_ += near ? 1 : 0;
   contradicted_ += contradicted ? 1 : 0;
+  softened_ = softened_ || sample.contact_gain < 1;
   sensors_.Add(sample);
   if (field_) field_->Add(sample);
   if (swap_ && contradicted && is_contradicted_.holds()) swap_->Keep(sample.scan);
@@ -47,6 +58,8 @@ bool RoomWatch::Add(const loop::RoomSample& sample) {
 
 void RoomWatch::EndSecond() {
   second_ns_ = last_ns_;
+  softened_s_ = softened_ ? kSoftened_s : std::max(0, softened_s_ - 1);
+  softened_ = false;
   if (near_ >= kSamplesMin) {
     is_contradicted_.Add(2 * contradicted_ > near_);
     if (swap_ && !is_contradicted_.holds()) swap_->Forget();
@@ -64,6 +77,7 @@ std::vector<RoomFinding> RoomWatch::Report() const {
   sensors_.Report(field_ && field_->magnet_near(), findings);
   if (swap_ && swap_->found()) findings.push_back(Swapped(*swap_->found()));
   if (field_ && !IsExplained()) field_->Report(findings);
+  if (softened_s_ > 0) findings.push_back(Softened());
   return findings;
 }
 

@@ -41,6 +41,8 @@ class RoomWatch {
   Verdict is_contradicted_{2};
   std::int64_t second_ns_ = 0, last_ns_ = 0;       // stamps: the second's begin; the last sample
   int samples_ = 0, near_ = 0, contradicted_ = 0;  // of this second
+  int softened_s_ = 0;                             // seconds for which the last swing is still reported
+  bool softened_ = false;                          // in this second
   std::vector<RoomFinding> findings_;
 };
 

@@ -246,18 +246,20 @@ void Apply(const AppliedConfig& config, const AppliedCommand& command, const App
   MoveGain(constrained && input.tracked, input.dt_s, config.open_s, config.close_s, state.presence);
   MoveGain(force_N != Vec3{} && input.tracked, input.dt_s, config.force_open_s, config.close_s, state.force_presence);
   const bool passive = state.presence == 1 && constraints.conservative && input.dt_s > 0;
+  const bool alone = force_N == Vec3{} && (input.contacts == nullptr || input.contacts->force_base_N == Vec3{});
   output.energy_gain = WatchContacts({.tip = input.device_point_base_m,
+                                      .velocity_m_s = input.velocity_base_m_s,
                                       .dt_s = input.dt_s,
                                       .noise_m = input.tip_sigma_m,
+                                      .velocity_noise_m_s = input.velocity_sigma_m_s,
                                       .force_N = constraints.force_N,
                                       .stiffness_N_m = constraints.stiffness_N_m,
-                                      .stored_J = constraints.stored_J,
-                                      .lag_s = input.lag_s,
+                                      .stored_J = input.acting.share * constraints.stored_J,
+                                      .acting = input.acting,
                                       .judged = passive && force_N == Vec3{},
-                                      .passive = passive},
+                                      .passive = passive && alone},
                                      state.swing, state.energy);
   const Vec3 held_N = output.energy_gain * constraints.force_N;
-  RememberForce(state.presence * held_N, state.energy);
   const Vec3 wanted_N = state.force_presence * force_N + state.presence * held_N;
   output.saturated = Norm(wanted_N) > config.force_max_N;
   output.force_base_N = Limited(config, wanted_N, input.dt_s, state.last_N);

@@ -47,9 +47,9 @@ struct AppliedInput {
   base::Vec3 device_point_base_m;  // as measured
   base::Vec3 velocity_base_m_s;
   double tip_sigma_m = 0, velocity_sigma_m_s = 0;  // of the worst direction
-  double lag_s = 0;                                // LoopLag_s
-  StiffnessBound bound;                            // of this tick's Step
-  const Output* contacts = nullptr;                // of this tick's Step: their stiffness has priority
+  ActingForce acting;
+  StiffnessBound bound;              // of this tick's Step
+  const Output* contacts = nullptr;  // of this tick's Step: their stiffness has priority
 };
 
 struct AppliedState {

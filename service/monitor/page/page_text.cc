@@ -34,6 +34,7 @@ constexpr auto kFlagNames = std::to_array<BitName>({
     {protocol::kToolDeviceFault, "device_fault"},
     {protocol::kToolStiffnessLimited, "stiffness_limited"},
     {protocol::kToolHolding, "holding"},
+    {protocol::kToolSoftened, "softened"},
 });
 // loop::TickFault: protocol::TelemetrySample::tick_faults.
 constexpr auto kTickFaultNames = std::to_array<BitName>({

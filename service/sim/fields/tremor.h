@@ -1,4 +1,5 @@
-// The shake of a hand: 8 to 12 Hz, three waves per direction [Elble, Koller 1990: physiological tremor].
+// The shake of a hand: three waves per direction, 8 to 12 Hz unless stated [Elble, Koller 1990: physiological tremor;
+// pathological tremors begin at 4 Hz].
 #pragma once
 
 #include <array>
@@ -10,14 +11,18 @@
 
 namespace omni::sim {
 
+struct TremorBand {
+  double from_Hz = 8, to_Hz = 12;
+};
+
 class Tremor {
  public:
   // rms of the whole displacement.
-  Tremor(double rms_m, Random& random) noexcept {
+  Tremor(double rms_m, Random& random, const TremorBand& band = {}) noexcept {
     const double amplitude_m = rms_m * std::sqrt(2.0 / kWaves);
     const std::array<Vec3, 3> directions{Vec3{amplitude_m, 0, 0}, Vec3{0, amplitude_m, 0}, Vec3{0, 0, amplitude_m}};
     for (std::size_t i = 0; i < waves_.size(); ++i) {
-      waves_[i].rate_rad_s = 2 * std::numbers::pi * random.Uniform(kMin_Hz, kMax_Hz);
+      waves_[i].rate_rad_s = 2 * std::numbers::pi * random.Uniform(band.from_Hz, band.to_Hz);
       waves_[i].phase_rad = 2 * std::numbers::pi * random.Uniform();
       waves_[i].amplitude_m = directions[i % 3];
     }
@@ -40,7 +45,6 @@ class Tremor {
     double phase_rad = 0;
     Vec3 amplitude_m;
   };
-  static constexpr double kMin_Hz = 8, kMax_Hz = 12;
   static constexpr int kWaves = 9;
   std::array<Wave, kWaves> waves_{};
 };

@@ -16,7 +16,7 @@ constexpr HandWaypoint kNobody{0, {0, 0, 0.2}, {0, 0, -1}, false};
 }  // namespace
 
 HandPath::HandPath(const HandScript& script, double tip_offset_m, Random& random)
-    : tip_offset_m_(tip_offset_m), tremor_(script.tremor_m, random) {
+    : tip_offset_m_(tip_offset_m), tremor_(script.tremor_m, random, script.tremor_band) {
   const std::vector<HandWaypoint>& points = script.waypoints;
   if (points.empty()) AddLeg(kNobody, kNobody, 0);
   if (points.size() == 1) AddLeg(points.front(), points.front(), 0);

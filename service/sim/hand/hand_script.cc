@@ -85,7 +85,9 @@ void ParseHand(const Json& json, HandScript& script) {
   const std::pair<const char*, double*> fields[] = {{"stiffness_N_m", &script.stiffness_N_m},
                                                     {"damping_Ns_m", &script.damping_Ns_m},
                                                     {"mass_kg", &script.mass_kg},
-                                                    {"tremor_m", &script.tremor_m}};
+                                                    {"tremor_m", &script.tremor_m},
+                                                    {"tremor_from_Hz", &script.tremor_band.from_Hz},
+                                                    {"tremor_to_Hz", &script.tremor_band.to_Hz}};
   for (const auto& [key, value] : json.members()) {
     bool known = false;
     for (const auto& [name, field] : fields) {
@@ -94,7 +96,9 @@ void ParseHand(const Json& json, HandScript& script) {
       known = true;
     }
     if (!known) {
-      throw Complaint(Below("/hand", key) + ": unknown key; known are stiffness_N_m, damping_Ns_m, mass_kg, tremor_m");
+      throw Complaint(Below("/hand", key) +
+                      ": unknown key; known are stiffness_N_m, damping_Ns_m, mass_kg, tremor_m, tremor_from_Hz and "
+                      "tremor_to_Hz");
     }
   }
 }
@@ -164,6 +168,9 @@ std::string CheckHandScript(const HandScript& script) {
   }
   if (!Within(script.mass_kg, 0.02, 5)) return OutOfRange("/hand/mass_kg", script.mass_kg, 0.02, 5, "kg");
   if (!Within(script.tremor_m, 0, 5e-3)) return OutOfRange("/hand/tremor_m", script.tremor_m, 0, 5e-3, "m");
+  const auto& [from_Hz, to_Hz] = script.tremor_band;
+  if (!Within(from_Hz, 0.5, 30)) return OutOfRange("/hand/tremor_from_Hz", from_Hz, 0.5, 30, "Hz");
+  if (!Within(to_Hz, from_Hz, 30)) return OutOfRange("/hand/tremor_to_Hz", to_Hz, from_Hz, 30, "Hz");
   for (std::size_t i = 0; i < script.waypoints.size(); ++i) {
     std::string complaint = CheckWaypoint(script.waypoints[i], "/waypoints/" + std::to_string(i));
     if (!complaint.empty()) return complaint;

@@ -12,6 +12,7 @@
 #include "service/base/result.h"
 #include "service/base/truth_parameters.h"
 #include "service/device/transport.h"
+#include "service/sim/fields/tremor.h"
 #include "service/sim/hand/hand_guide.h"
 
 namespace omni::sim {
@@ -27,7 +28,8 @@ struct HandScript {
   std::string name;
   std::vector<HandWaypoint> waypoints;  // at least one; the first is the start
   bool repeat = false;                  // after the last waypoint back to the first, within the first one's duration
-  double stiffness_N_m = 150, damping_Ns_m = 3, mass_kg = 0.12, tremor_m = 0.0;  // tremor: rms, 8-12 Hz
+  double stiffness_N_m = 150, damping_Ns_m = 3, mass_kg = 0.12, tremor_m = 0.0;  // tremor: rms
+  TremorBand tremor_band;
   double duration_s() const;  // of one pass from the first to the last waypoint
 };
 // JSON: {"name", "repeat", "hand": {"stiffness_N_m", ...}, "waypoints": [{"s", "tip_m":[3], "axis":[3], "present"}]}

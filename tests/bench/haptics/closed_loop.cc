@@ -76,35 +76,43 @@ Felt Touch(const base::DeviceGeometry& device, const loop::TickConfig& config, b
   truth.effects.room.scan_lost = situation.scans_lost;
   sim::PlantOptions plant{.seed = seed, .script = ScriptOf(situation, wall_z_m)};
   plant.truth = truth;
-  sim::Loopback twin(device, plant);
   const haptics::Scene scene =
       test::Wall(wall_z_m, {.stiffness_N_m = 2000, .damping_Ns_m = situation.wall_damping_Ns_m});
-  const auto state = std::make_unique<loop::LoopState>();
-  const auto output = std::make_unique<loop::TickOutput>();
-  loop::EnterScene(scene, 1, *state);
   std::vector<double> force_N, tip_m;
   Felt felt;
-  base::HallScan scan;
-  for (auto tick = static_cast<int>((plant.script.duration_s() - 1) / base::kTickPeriod_s); tick > 0; --tick) {
-    twin.Tick(scan);
-    loop::Tick(config, scan, {.t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1},
-               scene, *state, *output);
-    twin.Write(output->currents);
-    const sim::TruthRow row = twin.core().Truth();
+  const loop::Commands commands{.gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1};
+  RunTwin(device, config, plant, scene, commands, [&](const sim::TruthRow& row, const loop::TickOutput& output) {
     force_N.push_back(base::Norm(row.coil_force_N));
     tip_m.push_back(row.tip_m.z);
     felt.peak_N = std::max(felt.peak_N, force_N.back());
     felt.given_mJ += 1e3 * base::kTickPeriod_s * base::Dot(row.coil_force_N, row.velocity_m_s);
-    felt.gain = std::min(felt.gain, output->haptics.energy_gain);
-    felt.contact_ticks += output->haptics.contact_count > 0;
-  }
-  felt.offered_N_m = output->haptics.stiffness_offered_N_m;
+    felt.gain = std::min(felt.gain, output.haptics.energy_gain);
+    felt.contact_ticks += output.haptics.contact_count > 0;
+    felt.offered_N_m = output.haptics.stiffness_offered_N_m;
+  });
   felt.buzz_mN = 1e3 * test::RmsAbove(force_N, force_N.size() - 2 * kJudged, force_N.size(), kBuzzFrom_Hz);
   felt.swing_mm = 1e3 * test::RmsAboutMean(tip_m, tip_m.size() - kJudged, tip_m.size());
   return felt;
 }
 
 }  // namespace
+
+void RunTwin(const base::DeviceGeometry& device, const loop::TickConfig& config, const sim::PlantOptions& plant,
+             const haptics::Scene& scene, loop::Commands commands,
+             const std::function<void(const sim::TruthRow&, const loop::TickOutput&)>& each_tick) {
+  sim::Loopback twin(device, plant);
+  const auto state = std::make_unique<loop::LoopState>();
+  const auto output = std::make_unique<loop::TickOutput>();
+  loop::EnterScene(scene, commands.scene_generation, *state);
+  base::HallScan scan;
+  for (auto tick = static_cast<int>((plant.script.duration_s() - 1) / base::kTickPeriod_s); tick > 0; --tick) {
+    twin.Tick(scan);
+    commands.t_ns = scan.t_ns;
+    loop::Tick(config, scan, commands, scene, *state, *output);
+    twin.Write(output->currents);
+    each_tick(twin.core().Truth(), *output);
+  }
+}
 
 base::Result<BenchRows> ClosedLoop(std::uint64_t seed, bool quick) {
   const std::size_t rigs = quick ? 1 : kRigs;

@@ -4,11 +4,21 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "service/base/result.h"
+#include "service/haptics/scene.h"
+#include "service/loop/tick.h"
+#include "service/loop/tick_config.h"
+#include "service/sim/twin/loopback.h"
 #include "tests/bench/harness/bench.h"
 
 namespace omni::bench {
+
+// A base, its host and the script's hand in virtual time until the script ends; `commands` are fresh in every tick.
+void RunTwin(const base::DeviceGeometry& device, const loop::TickConfig& config, const sim::PlantOptions& plant,
+             const haptics::Scene& scene, loop::Commands commands,
+             const std::function<void(const sim::TruthRow&, const loop::TickOutput&)>& each_tick);
 
 base::Result<BenchRows> ClosedLoop(std::uint64_t seed, bool quick);
 

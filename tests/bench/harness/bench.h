@@ -91,6 +91,10 @@ base::Result<BenchRows> BenchSolver(const BenchOptions& options);
 // table: the stiffness allowed, by delay and noise.
 base::Result<BenchRows> BenchStability(const BenchOptions& options);
 
+// Ordinary hands on walls and constraints, on the twin: room, motion, touched, runs, lost (under half of the stiffness
+// before, half a second later, still touching), softened, least_share (of that stiffness); side table: the lost ones.
+base::Result<BenchRows> BenchHands(const BenchOptions& options);
+
 // Friction against Coulomb's law: study, body, trials, breakaway and sliding error; side tables: stick-slip, drift.
 base::Result<BenchRows> BenchFriction(const BenchOptions& options);
 

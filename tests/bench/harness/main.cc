@@ -38,6 +38,7 @@ constexpr Bench kBenches[] = {
     {"collision", "contact with rigid meshes, compared with four engines: time, correctness, memory", BenchCollision},
     {"latency", "latency from a sensor's sample to the current that responds to it", BenchLatency},
     {"stability", "walls that are stable for a simulated hand, and the stiffness the renderer allows", BenchStability},
+    {"hands", "walls that ordinary hands keep: rhythmic presses, tremor, ridges, taps (a simulation)", BenchHands},
     {"friction", "cone, stick-slip and drift against Coulomb's law", BenchFriction},
     {"race", "commanded and rendered hits of the car; walls and cost of the race", BenchRace},
     {"deformable", "soft bodies against a neo-Hookean reference, and their cost", BenchDeformable},

@@ -70,12 +70,15 @@ class Tracking {
   bool started_ = false;
 };
 
-// Rest position of the hand's spring.
+// Rest position of the hand's spring, without tremor.
 double Wanted_m(const WallScenario& scenario, double t_s) {
   const auto smooth = [](double x) { return x <= 0 ? 0.0 : (x >= 1 ? 1.0 : x * x * (3 - 2 * x)); };
   double share = smooth((t_s - kAway_s) / kMove_s);
   if (scenario.release) share -= smooth((t_s - kAway_s - kMove_s - scenario.hold_s) / kMove_s);
-  return kWaits_m - (kWaits_m + scenario.depth_m) * share;
+  const double held_s = t_s - kAway_s - kMove_s;
+  const bool presses = held_s > 0 && held_s < scenario.hold_s;
+  const double press_m = presses ? scenario.press_m * std::sin(2 * 3.141592653589793 * scenario.press_Hz * held_s) : 0;
+  return kWaits_m - (kWaits_m + scenario.depth_m) * share + press_m;
 }
 
 // The hand under the coil's force.
@@ -119,6 +122,8 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario
   sim::Random random(seed);
   Tracking tracking(loop.noise_m);
   Hand plant(hand, loop.coil_lag_s);
+  sim::Random shake(seed + 1);
+  const sim::Tremor tremor(std::sqrt(3.0) * scenario.tremor_m, shake, scenario.tremor);  // a third of it along z
   struct Sent {
     double due_s, force_N;
   };
@@ -131,9 +136,11 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario
     run.measured_m.push_back(tracking.Measure(plant.z_m(), output.force_base_N != base::Vec3{}, random));
     input.t_ns += 1'000'000;
     tracking.Fill(input);
+    input.acting = {true, {0, 0, plant.force_N()}};
     if (rule == WallRule::kFixed) input.noise = {};
     haptics::Step(config, scene, input, state, output);
     run.least_gain = std::min(run.least_gain, output.energy_gain);
+    run.gain.push_back(output.energy_gain);
     sent.push_back({tick * kTick_s + loop.delay_s + loop.late_s, output.force_base_N.z});
     for (int i = 0; i < kSubSteps; ++i) {
       const double t_s = tick * kTick_s + i * kSubStep_s;
@@ -141,7 +148,9 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario
         commanded_N = sent.front().force_N;
         sent.pop_front();
       }
-      plant.SubStep(Wanted_m(scenario, t_s), commanded_N);
+      base::Vec3 wanted_m{0, 0, Wanted_m(scenario, t_s)}, rate_m_s;
+      if (scenario.tremor_m > 0) tremor.Add(t_s, wanted_m, rate_m_s);
+      plant.SubStep(wanted_m.z, commanded_N);
     }
     run.force_N.push_back(plant.force_N());
   }
@@ -152,17 +161,34 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario
   return run;
 }
 
-haptics::Scene Wall(double top_m, const haptics::Material& material) {
+namespace {
+
+constexpr double kHalf_m = 0.02, kThickness_m = 0.02;
+
+haptics::Scene Slab(const std::vector<base::Vec3>& profile, const haptics::Material& material) {
   haptics::InputObject slab;
   slab.name = "wall";
-  const double half_m = 0.02, thickness_m = 0.02;
-  for (const double z_m : {top_m - thickness_m, top_m}) {
-    for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
-      slab.vertices_base_m.push_back({x * half_m, y * half_m, z_m});
+  // Four vertices per place of the profile: below and above, at both ends of y.
+  for (const base::Vec3& top : profile) {
+    for (const double y_m : {-kHalf_m, kHalf_m}) {
+      slab.vertices_base_m.push_back({top.x, y_m, profile.front().z - kThickness_m});
+      slab.vertices_base_m.push_back({top.x, y_m, top.z});
     }
   }
-  slab.triangles = {{4, 5, 6}, {4, 6, 7}, {0, 2, 1}, {0, 3, 2}, {0, 1, 5}, {0, 5, 4},
-                    {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
+  const auto quad = [&](std::size_t a, std::size_t b, std::size_t c, std::size_t d) {
+    const auto index = [](std::size_t i) { return static_cast<std::uint32_t>(i); };
+    slab.triangles.push_back({index(a), index(b), index(c)});
+    slab.triangles.push_back({index(a), index(c), index(d)});
+  };
+  const std::size_t last = 4 * (profile.size() - 1);
+  for (std::size_t i = 0; i < last; i += 4) {
+    quad(i + 1, i + 5, i + 7, i + 3);  // top
+    quad(i, i + 2, i + 6, i + 4);      // bottom
+    quad(i, i + 4, i + 5, i + 1);      // -y
+    quad(i + 2, i + 3, i + 7, i + 6);  // +y
+  }
+  quad(0, 1, 3, 2);
+  quad(last, last + 2, last + 3, last + 1);
   slab.triangle_material.assign(slab.triangles.size(), 0);
   haptics::SceneInput input;
   input.name = "wall";
@@ -170,6 +196,21 @@ haptics::Scene Wall(double top_m, const haptics::Material& material) {
   input.objects.push_back(std::move(slab));
   haptics::BuildReport report;
   return haptics::BuildScene(input, report).value();
+}
+
+}  // namespace
+
+haptics::Scene Wall(double top_m, const haptics::Material& material) {
+  return Slab({{-kHalf_m, 0, top_m}, {kHalf_m, 0, top_m}}, material);
+}
+
+haptics::Scene Ridges(double top_m, double pitch_m, double height_m, const haptics::Material& material) {
+  std::vector<base::Vec3> profile;
+  const int halves = static_cast<int>(std::lround(4 * kHalf_m / pitch_m));
+  for (int k = 0; k <= halves; ++k) {
+    profile.push_back({-kHalf_m + 0.5 * pitch_m * k, 0, k % 2 == 0 ? top_m : top_m - height_m});
+  }
+  return Slab(profile, material);
 }
 
 // A first-order high pass.

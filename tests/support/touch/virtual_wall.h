@@ -9,6 +9,7 @@
 #include "service/haptics/haptics.h"
 #include "service/haptics/material.h"
 #include "service/haptics/scene.h"
+#include "service/sim/fields/tremor.h"
 
 namespace omni::test {
 
@@ -36,6 +37,7 @@ struct WallRun {
   std::vector<double> measured_m, force_N;  // once a tick
   double given_J = 0;                       // integral of F v dt
   double least_gain = 1;                    // left by a watch
+  std::vector<double> gain;                 // the same, once a tick
 };
 
 // Outside for 0.3 s, in within 0.5 s until the hand's rest position is `depth_m` deep, `hold_s` there and, with
@@ -44,6 +46,10 @@ struct WallScenario {
   double depth_m = 5e-3;
   double hold_s = 6;
   bool release = false;
+  // Motion of the hand's own on top of it: a rhythm while it holds, and a tremor along the wall's normal throughout.
+  double press_m = 0, press_Hz = 0;
+  double tremor_m = 0;  // rms
+  sim::TremorBand tremor;
 };
 
 WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario& scenario, WallRule rule,
@@ -51,6 +57,9 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario
 
 // A slab of that material whose upper face is z = `top_m`.
 haptics::Scene Wall(double top_m, const haptics::Material& material);
+
+// The same with ridges along y on it: a triangle wave of that pitch and height below `top_m`.
+haptics::Scene Ridges(double top_m, double pitch_m, double height_m, const haptics::Material& material);
 
 // rms of x above `from_Hz`, once per tick, in the second half of [from, to).
 double RmsAbove(const std::vector<double>& x, std::size_t from, std::size_t to, double from_Hz);
