@@ -1,6 +1,7 @@
 // Negotiation with the loader and the table of functions.
 
 #include <atomic>
+#include <cstdlib>
 #include <cstring>
 #include <string_view>
 
@@ -59,6 +60,11 @@ bool NeedsNoInstance(std::string_view name) {
 bool Offers(const Instance& instance, std::string_view name) {
   if (name == "xrLocateSpaces") return instance.version_1_1;
   if (name == "xrLocateSpacesKHR") return instance.Enabled(XR_KHR_LOCATE_SPACES_EXTENSION_NAME);
+  if (name == "xrGetControllerModelKeyMSFT") return instance.Enabled(XR_MSFT_CONTROLLER_MODEL_EXTENSION_NAME);
+  if (name == "xrEnumerateRenderModelPathsFB" || name == "xrGetRenderModelPropertiesFB")
+    return instance.Enabled(XR_FB_RENDER_MODEL_EXTENSION_NAME);
+  if (name.find("RenderModel") != std::string_view::npos)
+    return instance.Enabled(XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME);
   if (name == "xrGetDeviceSampleRateFB") return instance.Enabled(XR_FB_HAPTIC_PCM_EXTENSION_NAME);
   if (name.find("Hand") != std::string_view::npos) return instance.Enabled(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
   if (name.find("Timespec") != std::string_view::npos)
@@ -95,8 +101,10 @@ XrResult GetInstanceProcAddr(XrInstance instance, const char* name, PFN_xrVoidFu
     if (owner->vulkan) *function = FindVulkanFunction(name);
     if (*function != nullptr) return XR_SUCCESS;
   }
+  const char* const without = std::getenv("OMNI_TEST_RUNTIME_WITHOUT");
+  const bool hidden = without != nullptr && std::strcmp(without, name) == 0;
   for (const NamedFunction& entry : kTable) {
-    if (entry.name != name) continue;
+    if (entry.name != name || hidden) continue;
     if (owner != nullptr && !Offers(*owner, name)) break;
     *function = entry.function;
     return XR_SUCCESS;

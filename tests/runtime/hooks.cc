@@ -116,6 +116,13 @@ int omni_test_offer_shapes(int offered) {
   });
 }
 
+int omni_test_refuse_instances(int result) {
+  return Alone([&](auto& state) {
+    state.world.creation = static_cast<XrResult>(result);
+    return true;
+  });
+}
+
 int omni_test_tell_velocities(int reported) {
   return Alone([&](auto& state) {
     state.world.tells_velocities = reported != 0;

@@ -70,6 +70,8 @@ int omni_test_offer_stage(int offered);
 int omni_test_offer_timespec(int offered);
 // 1: new instances may have XR_FB_haptic_amplitude_envelope and XR_FB_haptic_pcm (of one call 1000 samples are taken).
 int omni_test_offer_shapes(int offered);
+// What every xrCreateInstance returns from now on: an error, or XR_SUCCESS for no such whim.
+int omni_test_refuse_instances(int result);
 // 0: no velocity is ever valid, as with runtimes that do not know them.
 int omni_test_tell_velocities(int reported);
 // The hand that XR_EXT_hand_tracking sees; `pose` of the palm in STAGE, null to keep it.

@@ -32,6 +32,10 @@ const Extension kExtensions[] = {
     {XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME, XR_KHR_convert_timespec_time_SPEC_VERSION},
     {XR_KHR_LOCATE_SPACES_EXTENSION_NAME, XR_KHR_locate_spaces_SPEC_VERSION},
     {XR_EXT_HAND_TRACKING_EXTENSION_NAME, XR_EXT_hand_tracking_SPEC_VERSION},
+    {XR_MSFT_CONTROLLER_MODEL_EXTENSION_NAME, XR_MSFT_controller_model_SPEC_VERSION},
+    {XR_FB_RENDER_MODEL_EXTENSION_NAME, 4},
+    {XR_EXT_RENDER_MODEL_EXTENSION_NAME, 1},
+    {XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME, 1},
     {XR_KHR_COMPOSITION_LAYER_CUBE_EXTENSION_NAME, XR_KHR_composition_layer_cube_SPEC_VERSION},
     {XR_KHR_COMPOSITION_LAYER_CYLINDER_EXTENSION_NAME, XR_KHR_composition_layer_cylinder_SPEC_VERSION},
     {XR_KHR_COMPOSITION_LAYER_EQUIRECT_EXTENSION_NAME, XR_KHR_composition_layer_equirect_SPEC_VERSION},
@@ -48,6 +52,9 @@ std::vector<Extension> Extensions() {
     all.push_back({XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME, 1});
     all.push_back({XR_FB_HAPTIC_PCM_EXTENSION_NAME, 1});
   }
+  if (!TheState().world.has_timespec)
+    std::erase_if(all,
+                  [](const Extension& known) { return known.name == XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME; });
   if (const char* without = std::getenv("OMNI_TEST_RUNTIME_WITHOUT"))
     std::erase_if(all, [without](const Extension& known) { return known.name == without; });
   const char* const more = std::getenv("OMNI_TEST_RUNTIME_EXTENSIONS");
@@ -62,8 +69,6 @@ bool IsTerminated(const char (&text)[size]) {
 }
 
 bool IsKnownExtension(const char* name) {
-  const bool is_timespec = std::strcmp(name, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME) == 0;
-  if (is_timespec && !TheState().world.has_timespec) return false;
   const std::vector<Extension> all = Extensions();
   return std::any_of(all.begin(), all.end(), [name](const Extension& known) { return known.name == name; });
 }
@@ -126,6 +131,10 @@ XrResult EnumerateInstanceExtensionProperties(const char* layer, uint32_t capaci
 XrResult CreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance) {
   State& state = TheState();
   const std::unique_lock lock(state.mutex);
+  if (const XrResult refusal = state.world.creation; XR_FAILED(refusal)) {
+    std::fprintf(stderr, "omni_test_runtime: no instance, as a test wants it\n");
+    return refusal;
+  }
   if (const XrResult check = CheckCreateInfo(info, instance); XR_FAILED(check)) return check;
   const auto created = std::make_shared<Instance>();
   if (const char* const file = std::getenv("OMNI_TEST_RUNTIME_SCRIPT"); file != nullptr && *file != '\0') {

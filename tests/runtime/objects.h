@@ -14,12 +14,13 @@
 #include <unordered_map>
 #include <vector>
 
+#include "tests/runtime/newer_openxr.h"
 #include "tests/runtime/script.h"
 #include "tests/runtime/world.h"
 
 namespace omni::runtime {
 
-enum class Kind : uint8_t { kNone, kInstance, kSession, kActionSet, kAction, kSpace, kHandTracker };
+enum class Kind : uint8_t { kNone, kInstance, kSession, kActionSet, kAction, kSpace, kHandTracker, kRenderModel };
 
 struct Object {
   Kind kind;
@@ -121,6 +122,12 @@ struct Instance : Object {
   Script script;
 };
 
+// A controller's model, as enumerated since the last sync.
+struct SessionModel {
+  XrRenderModelIdEXT id = 0;
+  int hand = 0;
+};
+
 struct Session : Object {
   static constexpr Kind kKind = Kind::kSession;
   Session() : Object(kKind) {}
@@ -141,7 +148,18 @@ struct Session : Object {
   bool frame_begun = false;
   XrTime next_frame = 0;
 
-  std::vector<uint64_t> children;  // handles: spaces, hand trackers
+  std::vector<SessionModel> models;
+  XrRenderModelIdEXT last_model = 0;
+
+  std::vector<uint64_t> children;  // handles: spaces, hand trackers, render models
+};
+
+struct RenderModel : Object {
+  static constexpr Kind kKind = Kind::kRenderModel;
+  RenderModel() : Object(kKind) {}
+  Session* session = nullptr;
+  XrRenderModelIdEXT id = 0;
+  int hand = 0;
 };
 
 struct Space : Object {
@@ -154,6 +172,7 @@ struct Space : Object {
   std::shared_ptr<Action> action;
   std::shared_ptr<ActionSet> set;
   XrPath subaction = XR_NULL_PATH;
+  std::shared_ptr<RenderModel> model;  // spaces of models only
 };
 
 struct HandTracker : Object {

@@ -43,6 +43,7 @@ inline XrResult Loss(const ActionSet& set) { return Loss(*set.instance); }
 inline XrResult Loss(const Action& action) { return Loss(*action.set); }
 inline XrResult Loss(const Space& space) { return Loss(*space.session); }
 inline XrResult Loss(const HandTracker& tracker) { return Loss(*tracker.session); }
+inline XrResult Loss(const RenderModel& model) { return Loss(*model.session); }
 
 // The structure of that type in a chain, or nullptr.
 template <class T>
@@ -92,6 +93,10 @@ void Push(Instance& instance, const Event& event) {
 void SetSessionState(Session& session, XrSessionState state);
 // Lets sessions follow World::focus.
 void ApplyFocus(State& state);
+
+// models.cc: follows the devices, in a sync. A model that is not shown cannot be located.
+void UpdateModels(const World& world, Session& session);
+bool IsShown(const RenderModel& model);
 
 // action_state.cc: the answers for (action, subaction path) in a session. Checks the path first.
 XrResult FindSlot(Session& session, const Action& action, XrPath subaction, Slot** slot);

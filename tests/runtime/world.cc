@@ -32,6 +32,7 @@ void World::Reset() {
   stage_origins.assign(1, {0, kIdentity});
   has_stage = has_timespec = tells_velocities = true;
   has_shapes = false;
+  creation = XR_SUCCESS;
   for (int hand = 0; hand < kHands; ++hand) {
     devices[hand] = {};
     devices[hand].present = hand == 0;

@@ -76,6 +76,7 @@ struct World {
   bool has_timespec = true;      // false: new instances cannot convert times
   bool tells_velocities = true;  // false: no XrSpaceVelocity is ever valid
   bool focus = true;
+  XrResult creation = XR_SUCCESS;  // what xrCreateInstance returns, if it is an error
   uint32_t next_epoch = 1;
 
   World();

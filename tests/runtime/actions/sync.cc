@@ -231,6 +231,7 @@ XrResult SyncActions(XrSession session, const XrActionsSyncInfo* info) {
   }
   UpdateProfiles(state.world, *owner);
   UpdateStates(state.world, *owner, activations);
+  UpdateModels(state.world, *owner);
   return XR_SUCCESS;
 }
 

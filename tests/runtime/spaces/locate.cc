@@ -66,6 +66,13 @@ XrResult LocateMany(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLo
 // An action space is locatable while the last sync left its action active, and its device is still there.
 Located Locate(const World& world, Session& session, const Space& space, XrTime time) {
   Located result;
+  if (space.model != nullptr) {
+    const int hand = space.model->hand;
+    const int grip = FindComponent(Profiles()[world.devices[hand].profile], hand, "input/grip/pose");
+    result.valid = result.tracked = grip >= 0 && IsShown(*space.model);
+    if (result.valid) result.motion = world.PoseAt({hand, grip, world.devices[hand].epoch}, time);
+    return result;
+  }
   if (space.action == nullptr) {
     result.valid = result.tracked = true;
     result.motion = Attach(ReferenceMotion(world, space.reference, time), space.offset);
