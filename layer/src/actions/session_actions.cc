@@ -21,7 +21,34 @@ void SessionActions::Attach(const std::vector<std::shared_ptr<ActionSet>>& sets,
   suggestions_ = suggestions;
   for (const std::shared_ptr<Action>& action : actions)
     if (attached(*action->set)) bound_[action.get()].action = action;
+  FindPlaces();
   Bind();
+}
+
+SessionActions::Place SessionActions::PlaceOf(const Action& action, const std::string& suggested) const {
+  const bool any = action.subactions.empty();
+  for (const Hand hand : {Hand::kLeft, Hand::kRight}) {
+    if (suggested.rfind(std::string(UserPath(hand)) + "/", 0) != 0) continue;
+    const Place there = hand == Hand::kLeft ? Place::kLeft : Place::kRight;
+    return any || action.Declares(PathOf(hand)) ? there : Place::kNowhere;
+  }
+  const auto is_no_hand = [this](XrPath path) {
+    return std::find(hand_paths_.begin(), hand_paths_.end(), path) == hand_paths_.end();
+  };
+  const bool declared = any || std::any_of(action.subactions.begin(), action.subactions.end(), is_no_hand);
+  return declared ? Place::kElsewhere : Place::kNowhere;
+}
+
+void SessionActions::FindPlaces() {
+  for (const auto& [profile, entries] : suggestions_) {
+    for (const Suggestion& s : entries) {
+      const auto bound = bound_.find(s.action.get());
+      const Place place = PlaceOf(*s.action, s.path);
+      if (bound == bound_.end() || place == Place::kNowhere) continue;
+      Place& known = bound->second.place;
+      known = known == Place::kNowhere || known == place ? place : Place::kSeveral;
+    }
+  }
 }
 
 // The profile with bindings for the pen's hand: the preferred one, else the first in order of priority.
@@ -39,10 +66,7 @@ void SessionActions::Bind() {
 }
 
 bool SessionActions::BindProfile(const Profile& profile) {
-  for (auto& [key, bound] : bound_) {
-    bound.bindings.clear();
-    bound.of_our_hand_only = bound.action->subactions.empty();
-  }
+  for (auto& [key, bound] : bound_) bound.bindings.clear();
   const auto suggested = suggestions_.find(profile.path);
   if (suggested == suggestions_.end()) return false;
   bool any = false;
@@ -55,13 +79,6 @@ bool SessionActions::BindProfile(const Profile& profile) {
     any = true;
   }
   if (!any) return false;
-  const std::string ours = std::string(UserPath(choice_.hand)) + "/";
-  for (const auto& [path, entries] : suggestions_) {
-    for (const Suggestion& s : entries) {
-      const auto bound = bound_.find(s.action.get());
-      if (bound != bound_.end() && s.path.rfind(ours, 0) != 0) bound->second.of_our_hand_only = false;
-    }
-  }
   chosen_ = &profile;
   return true;
 }
@@ -198,7 +215,8 @@ StatePart SessionActions::PenPart(const Bound& bound, const RuntimeClock& clock)
 StatePart SessionActions::RuntimePartOfAny(const Bound& bound, const RuntimeStates& runtime) const {
   const Action& action = *bound.action;
   if (!owner_) return runtime.Query(action, XR_NULL_PATH);
-  if (action.subactions.empty()) return bound.of_our_hand_only ? StatePart{} : runtime.Query(action, XR_NULL_PATH);
+  if (OnlyAtPensHand(bound)) return {};
+  if (action.subactions.empty()) return runtime.Query(action, XR_NULL_PATH);
   StatePart out;
   for (const XrPath path : action.subactions)
     if (path != hand_path()) out = Merge(action.type, out, runtime.Query(action, path));
@@ -216,7 +234,8 @@ void SessionActions::AdvanceView(View& view, const Action& action, const StatePa
     view.state = Advance(action.type, view.state, runtime, pen, now);
     return;
   }
-  // [input-multiple] One device; the XR_NULL_PATH view stays with the first it got, even when that goes off.
+  // [input-multiple] One source, which changes when a controller is picked up or goes off. Of several places, the
+  // XR_NULL_PATH view stays with the first that fed it, even when that goes off: another hand must not take over.
   if (view.pose_device == Device::kNone || !sticky)
     view.pose_device = pen.active ? Device::kPen : runtime.active ? Device::kRuntime : Device::kNone;
   view.state.active = PoseDevice(view) == Device::kPen ? pen.active : runtime.active;
@@ -231,7 +250,8 @@ void SessionActions::Sync(const SyncInput& input, const RuntimeStates& runtime, 
     const Action& action = *bound.action;
     if (action.type == XR_ACTION_TYPE_VIBRATION_OUTPUT) continue;
     const StatePart pen = input.focused ? PenPart(bound, clock) : StatePart{};
-    AdvanceView(bound.any, action, input.focused ? RuntimePartOfAny(bound, runtime) : StatePart{}, pen, true, now);
+    const StatePart runtimes_any = input.focused ? RuntimePartOfAny(bound, runtime) : StatePart{};
+    AdvanceView(bound.any, action, runtimes_any, pen, bound.place == Place::kSeveral, now);
     bound.any.ours = bound.any.ours || owner_;
     for (const Hand hand : {Hand::kLeft, Hand::kRight}) {
       if (!action.Declares(PathOf(hand))) continue;
@@ -263,10 +283,14 @@ const ActionState* SessionActions::Find(const Action& action, XrPath subaction) 
 
 int SessionActions::SpaceServedBy(const Action& action, XrPath subaction) const {
   const Bound* bound = merging_ ? FindBound(action) : nullptr;
-  if (!bound || (subaction != XR_NULL_PATH && subaction != hand_path())) return kServedByRuntime;
-  if (subaction == XR_NULL_PATH && PoseDevice(bound->any) != Device::kPen) return kServedByRuntime;
-  if (subaction != XR_NULL_PATH && !owner_) return kServedByRuntime;
-  if (!owner_) return kServedByNobody;
+  if (!bound) return kServedByRuntime;
+  const bool any = subaction == XR_NULL_PATH;
+  if (subaction == hand_path() || (any && OnlyAtPensHand(*bound))) {
+    if (!owner_) return kServedByRuntime;
+  } else {
+    if (!any || PoseDevice(bound->any) != Device::kPen) return kServedByRuntime;
+    if (!owner_) return kServedByNobody;
+  }
   const int first = first_pose_[static_cast<std::size_t>(chosen_ - profiles_.data())];
   for (const LiveBinding& b : bound->bindings)
     if (b.live && b.binding.kind == BindingKind::kPose) return first + b.binding.first;
@@ -291,6 +315,20 @@ bool SessionActions::HapticBound(const Action& action, XrPath subaction) const {
   if (!bound || (subaction != XR_NULL_PATH && subaction != hand_path())) return false;
   return std::any_of(bound->bindings.begin(), bound->bindings.end(),
                      [](const LiveBinding& b) { return b.live && b.binding.kind == BindingKind::kHaptic; });
+}
+
+std::vector<XrPath> SessionActions::SubactionsBelow(const Action& action, XrPath subaction) const {
+  const Bound* bound = owner_ ? FindBound(action) : nullptr;
+  if (!bound) return {subaction};
+  if (subaction != XR_NULL_PATH) {
+    const bool pens = subaction == hand_path() && action.Declares(subaction);
+    return pens ? std::vector<XrPath>{} : std::vector<XrPath>{subaction};
+  }
+  if (OnlyAtPensHand(*bound)) return {};
+  if (!action.Declares(hand_path())) return {subaction};
+  std::vector<XrPath> others = action.subactions;
+  others.erase(std::remove(others.begin(), others.end(), hand_path()), others.end());
+  return others;
 }
 
 }  // namespace omni::layer

@@ -99,11 +99,17 @@ class SessionActions {
   std::vector<std::string> BoundSources(const Action& action) const;
   bool HapticBound(const Action& action, XrPath subaction) const;
 
+  // The subaction paths of the runtime's devices when an application uses `subaction`: without that of the pen's hand
+  // while the pen owns it.
+  std::vector<XrPath> SubactionsBelow(const Action& action, XrPath subaction) const;
+
   // Vibrations requested by thresholds in the last sync; clears them.
   std::vector<Pulse> PopPulses() { return std::exchange(pulses_, {}); }
 
  private:
   enum class Device { kNone, kPen, kRuntime };
+  // Where the sources of an action can lie: the top-level paths of its suggestions, of all profiles, that it declares.
+  enum class Place { kNowhere, kLeft, kRight, kElsewhere, kSeveral };
   struct LiveBinding {
     Binding binding;
     std::optional<AnalogThreshold> threshold;
@@ -118,13 +124,19 @@ class SessionActions {
   struct Bound {
     std::shared_ptr<Action> action;
     std::vector<LiveBinding> bindings;
-    bool of_our_hand_only = false;  // no subaction paths, and nothing suggested outside of the pen's hand
+    Place place = Place::kNowhere;
     View any;
     std::array<View, 2> at_hand;
   };
 
   XrPath PathOf(Hand hand) const { return hand_paths_[static_cast<std::size_t>(hand)]; }
   View& ViewAt(Bound& bound, Hand hand) const { return bound.at_hand[static_cast<std::size_t>(hand)]; }
+  Place PlaceOf(const Action& action, const std::string& suggested) const;
+  void FindPlaces();
+  // The only device that can feed it is that of the pen's hand: XR_NULL_PATH then means this hand.
+  bool OnlyAtPensHand(const Bound& bound) const {
+    return bound.place == (choice_.hand == Hand::kLeft ? Place::kLeft : Place::kRight);
+  }
   void Bind();
   bool BindProfile(const Profile& profile);
   void UpdateOwner(const SyncInput& input);

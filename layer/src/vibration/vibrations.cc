@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
+#include <utility>
 
 #include "layer/src/instance/instance.h"
 #include "service/base/clock.h"
@@ -30,8 +32,20 @@ Vibrations::Channels Vibrations::Route(XrSession session, const XrHapticActionIn
   const std::shared_lock lock(record->mutex);
   const SessionActions& state = record->actions;
   if (!state.attached(*action->set) || !state.pen_owns_hand()) return {};
-  const bool our_hand = info->subactionPath == state.hand_path() && action->Declares(state.hand_path());
-  return {state.HapticBound(*action, info->subactionPath), !our_hand};
+  std::vector<XrPath> below = state.SubactionsBelow(*action, info->subactionPath);
+  const bool unchanged = below == std::vector<XrPath>{info->subactionPath};
+  return {state.HapticBound(*action, info->subactionPath), unchanged, std::move(below)};
+}
+
+template <class Call>
+XrResult Vibrations::Below(const Channels& route, const XrHapticActionInfo* info, Call call) {
+  if (route.unchanged) return call(info);
+  for (const XrPath path : route.below) {
+    XrHapticActionInfo there = *info;
+    there.subactionPath = path;
+    if (const XrResult result = call(&there); result != XR_SUCCESS) return result;
+  }
+  return XR_SUCCESS;
 }
 
 XrResult Vibrations::ApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info,
@@ -48,7 +62,9 @@ XrResult Vibrations::ApplyHapticFeedback(XrSession session, const XrHapticAction
 
 XrResult Vibrations::ApplyTone(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic) {
   const Channels route = Route(session, info);
-  const XrResult result = route.to_runtime ? instance_.next.ApplyHapticFeedback(session, info, haptic) : XR_SUCCESS;
+  const XrResult result = Below(route, info, [&](const XrHapticActionInfo* at) {
+    return instance_.next.ApplyHapticFeedback(session, at, haptic);
+  });
   if (!route.to_pen || result != XR_SUCCESS) return result;
   Play(ToPulse(ReadAs<XrHapticVibration>(haptic)));
   return result;
@@ -80,7 +96,8 @@ XrResult Vibrations::ApplyEnvelope(XrSession session, const XrHapticActionInfo* 
   const bool only_ours = instance_.OnlyOurs(XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME);
   const auto shaped = ReadEnvelope(ReadAs<XrHapticAmplitudeEnvelopeVibrationFB>(haptic));
   if (!shaped && (only_ours || route.to_pen)) return XR_ERROR_VALIDATION_FAILURE;
-  const XrResult result = route.to_runtime ? ShapeBelow(only_ours, session, info, haptic, shaped) : XR_SUCCESS;
+  const XrResult result = Below(
+      route, info, [&](const XrHapticActionInfo* at) { return ShapeBelow(only_ours, session, at, haptic, shaped); });
   if (!route.to_pen || result != XR_SUCCESS) return result;
   backlog_.Clear();
   instance_.link.Waveform(shaped->waveform, shaped->samples);
@@ -94,13 +111,17 @@ XrResult Vibrations::ApplyPcm(XrSession session, const XrHapticActionInfo* info,
   auto shaped = ReadPcm(pcm);
   if (!shaped && (only_ours || route.to_pen)) return XR_ERROR_VALIDATION_FAILURE;
   if (pcm.samplesConsumed) *pcm.samplesConsumed = 0;
-  const XrResult result = route.to_runtime ? ShapeBelow(only_ours, session, info, haptic, shaped) : XR_SUCCESS;
+  std::uint32_t least = std::numeric_limits<std::uint32_t>::max();  // that one of the runtime's devices has taken
+  const XrResult result = Below(route, info, [&](const XrHapticActionInfo* at) {
+    const XrResult below = ShapeBelow(only_ours, session, at, haptic, shaped);
+    if (pcm.samplesConsumed) least = std::min(least, *pcm.samplesConsumed);
+    return below;
+  });
   if (result != XR_SUCCESS) return result;
   if (only_ours && !route.to_pen) *pcm.samplesConsumed = static_cast<std::uint32_t>(shaped->samples.size());
   if (!route.to_pen) return result;
   // Two devices: what the other has not taken will be sent again.
-  if (route.to_runtime && !only_ours)
-    shaped->samples.resize(std::min<std::size_t>(shaped->samples.size(), *pcm.samplesConsumed));
+  if (route.to_runtime() && !only_ours) shaped->samples.resize(std::min<std::size_t>(shaped->samples.size(), least));
   const std::uint32_t taken = PlayPcm(info->action, *shaped);
   *pcm.samplesConsumed = taken;
   return result;
@@ -120,7 +141,8 @@ std::uint32_t Vibrations::PlayPcm(XrAction action, ShapedVibration& pcm) {
 XrResult Vibrations::StopHapticFeedback(XrSession session, const XrHapticActionInfo* info) {
   instance_.Alive();
   const Channels route = Route(session, info);
-  const XrResult result = route.to_runtime ? instance_.next.StopHapticFeedback(session, info) : XR_SUCCESS;
+  const XrResult result =
+      Below(route, info, [&](const XrHapticActionInfo* at) { return instance_.next.StopHapticFeedback(session, at); });
   if (route.to_pen && result == XR_SUCCESS) Stop();
   return result;
 }

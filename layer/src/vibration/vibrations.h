@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "layer/src/actions/session_actions.h"
 #include "layer/src/entry/omni_openxr_compat.h"
@@ -26,12 +27,17 @@ class Vibrations {
  private:
   struct Channels {
     bool to_pen = false;
-    bool to_runtime = true;
+    bool unchanged = true;      // to the runtime, as the application called
+    std::vector<XrPath> below;  // otherwise: to these subaction paths of the runtime's
+    bool to_runtime() const { return unchanged || !below.empty(); }
   };
   Channels Route(XrSession session, const XrHapticActionInfo* info) const;
   XrResult ApplyTone(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
   XrResult ApplyEnvelope(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
   XrResult ApplyPcm(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
+  // Calls the runtime's function `call` for each of its devices. What is not XR_SUCCESS ends it.
+  template <class Call>
+  static XrResult Below(const Channels& route, const XrHapticActionInfo* info, Call call);
   XrResult ShapeBelow(bool only_ours, XrSession session, const XrHapticActionInfo* info,
                       const XrHapticBaseHeader* haptic, const std::optional<ShapedVibration>& shaped) const;
   std::uint32_t PlayPcm(XrAction action, ShapedVibration& pcm);

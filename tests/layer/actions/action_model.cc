@@ -59,6 +59,33 @@ ActionModel::ActionModel(const std::vector<layer::Profile>& profiles, std::vecto
   Choose();
 }
 
+// The top-level user paths at which the action can have a source: those of its suggested bindings, of whatever
+// profile, that the action takes ([XrActionCreateInfo]: without subaction paths all of them).
+std::set<std::string> ActionModel::PlacesOf(int action) const {
+  const ModelAction& a = actions_[static_cast<std::size_t>(action)];
+  std::set<std::string> places;
+  for (const ModelSuggestion& s : suggestions_) {
+    if (s.action != action) continue;
+    std::string user = s.path.substr(0, s.path.find('/', 1));
+    for (const At hand : {At::kLeft, At::kRight})
+      if (s.path.rfind(UserOf(hand) + "/", 0) == 0) user = UserOf(hand);
+    const bool taken =
+        !a.any_declared() || (a.left && user == UserOf(At::kLeft)) || (a.right && user == UserOf(At::kRight));
+    if (taken) places.insert(user);
+  }
+  return places;
+}
+
+// [XrActionStateGetInfo] XR_NULL_PATH means all subaction paths. Where the action has sources at one hand only, that is
+// this hand: [input-multiple] whoever is picked up there is its single source, and "must only be changed" in a sync.
+At ActionModel::Meant(int action, At at) const {
+  if (at != At::kNull) return at;
+  const std::set<std::string> places = PlacesOf(action);
+  for (const At hand : {At::kLeft, At::kRight})
+    if (places == std::set<std::string>{UserOf(hand)}) return hand;
+  return at;
+}
+
 const layer::Profile* ActionModel::FindProfile(const std::string& path) const {
   for (const layer::Profile& profile : profiles_)
     if (profile.path == path) return &profile;
@@ -204,12 +231,8 @@ ModelPart ActionModel::RuntimeSays(int action, At at, const ModelSync& sync) con
   if (!sync.focused) return {};
   if (at != At::kNull) return owner_ && at == hand_ ? ModelPart() : answer(at);
   if (!owner_) return answer(At::kNull);
-  if (!a.any_declared()) {
-    const bool elsewhere = std::any_of(suggestions_.begin(), suggestions_.end(), [&](const ModelSuggestion& s) {
-      return s.action == action && s.path.rfind(UserOf(hand_) + "/", 0) != 0;
-    });
-    return elsewhere ? answer(At::kNull) : ModelPart();
-  }
+  if (Meant(action, at) == hand_) return {};
+  if (!a.any_declared()) return answer(At::kNull);
   ModelPart out;
   for (const At hand : {At::kLeft, At::kRight})
     if (a.Declares(hand) && hand != hand_) out = Combine(a.type, out, answer(hand));
@@ -221,7 +244,8 @@ void ActionModel::Remember(int action, At at, const ModelPart& runtime, const Mo
   const XrActionType type = actions_[static_cast<std::size_t>(action)].type;
   m.of_layer = m.of_layer || (owner_ && (at == At::kNull || at == hand_));
   if (type == XR_ACTION_TYPE_POSE_INPUT) {
-    if (m.device == 0 || at != At::kNull) m.device = pen.active ? 'p' : runtime.active ? 'r' : 0;
+    const bool may_change = at != At::kNull || PlacesOf(action).size() <= 1;
+    if (m.device == 0 || may_change) m.device = pen.active ? 'p' : runtime.active ? 'r' : 0;
     const bool from_pen = m.device == 'p' && !put_down_;
     m.state = {};
     m.state.active = from_pen ? pen.active : runtime.active;
@@ -302,6 +326,7 @@ std::optional<ModelState> ActionModel::State(int action, At at) const {
 // [spaces-action-spaces-lifetime]
 ModelSpace ActionModel::Space(int action, At at) const {
   const ModelAction& a = actions_[static_cast<std::size_t>(action)];
+  at = Meant(action, at);
   if (!recording_ || attached_.count(a.set) == 0 || (at != At::kNull && at != hand_)) return {};
   const auto memory = memory_.find({action, At::kNull});
   const bool null_is_pens = memory != memory_.end() && memory->second.device == 'p' && !put_down_;

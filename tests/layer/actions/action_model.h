@@ -105,6 +105,8 @@ class ActionModel {
     bool of_layer = false;
   };
 
+  std::set<std::string> PlacesOf(int action) const;
+  At Meant(int action, At at) const;
   const layer::Profile* FindProfile(const std::string& path) const;
   bool Choose();
   std::vector<Wire> WiresOf(const layer::Profile& profile) const;

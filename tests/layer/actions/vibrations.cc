@@ -74,6 +74,40 @@ class Vibrations : public testing::Test {
 };
 
 // [XR_FB_haptic_amplitude_envelope] The service receives each amplitude unchanged.
+// All bound devices vibrate, and in the pen's hand this is the pen: not the controller that lies on the desk.
+TEST_F(Vibrations, NullPathSparesTheControllerOfThePensHand) {
+  omni_test_set_device("right", 1, kTouch);
+  omni_test_offer_shapes(1);
+  FakeService service;
+  App app(WithShapes());
+  ASSERT_TRUE(app.SyncUntil(service, [&] { return app.Float(app.force, app.right).isActive == XR_TRUE; }));
+  service.Set(protocol::InputIndex::kTipForce, 0.25f);
+  ASSERT_TRUE(app.SyncUntil(service, [&] { return app.Float(app.force, app.right).currentState == 0.25f; }));
+  ASSERT_EQ(app.Vibrate(XR_NULL_PATH, 0.5f), XR_SUCCESS);
+  const std::vector<float> noise = Noise(200, -1, 1);
+  ASSERT_EQ(Apply(app, XR_NULL_PATH, Pcm(noise, 1000, false)), XR_SUCCESS);
+  EXPECT_EQ(consumed_, 200u);
+  ASSERT_EQ(Apply(app, XR_NULL_PATH, Envelope(noise, 20'000'000)), XR_SUCCESS);
+  const XrHapticActionInfo all{XR_TYPE_HAPTIC_ACTION_INFO, nullptr, app.haptic, XR_NULL_PATH};
+  ASSERT_EQ(xrStopHapticFeedback(app.session, &all), XR_SUCCESS);
+  OmniTestHaptics left{}, right{};
+  omni_test_haptics("left", &left);
+  omni_test_haptics("right", &right);
+  EXPECT_EQ(left.count, 1u);
+  EXPECT_EQ(left.pcms, 1u);
+  EXPECT_EQ(left.envelopes, 1u);
+  EXPECT_EQ(left.stops, 1u);
+  EXPECT_EQ(right.count + right.pcms + right.envelopes + right.stops, 0u);
+  EXPECT_TRUE(Eventually([&] { return service.heard().haptics.size() == 1; }));
+  EXPECT_TRUE(HasWaveforms(service, 2));
+  // The pen gone, it is the controller's hand again.
+  service.SetFlags(0);
+  ASSERT_TRUE(app.SyncUntil(service, [&] { return app.Float(app.force, app.right).currentState != 0.25f; }));
+  ASSERT_EQ(app.Vibrate(XR_NULL_PATH, 0.5f), XR_SUCCESS);
+  omni_test_haptics("right", &right);
+  EXPECT_EQ(right.count, 1u);
+}
+
 TEST_F(Vibrations, EnvelopeReachesServiceUnchanged) {
   FakeService service;
   App app(WithShapes());
