@@ -165,15 +165,22 @@ XrResult Input::SyncActions(XrSession session, const XrActionsSyncInfo* info) {
   instance_.Alive();
   const auto record = instance_.sessions.Find(session);
   if (XR_FAILED(result) || !record) return result;
+  Sync(*record, *info, result != XR_SESSION_NOT_FOCUSED);
+  instance_.render_models.Follow(record);
+  return result;
+}
+
+// The runtime has synced.
+void Input::Sync(Session& session, const XrActionsSyncInfo& info, bool focused) {
   const std::int64_t now = base::MonotonicNow_ns();
   instance_.clock.Refresh(now);
   SyncInput input;
-  input.focused = result != XR_SESSION_NOT_FOCUSED;
-  if (record->running) instance_.SetFocus(*record, input.focused);
-  input.active = ActiveSets(*info);
+  input.focused = focused;
+  if (session.running) instance_.SetFocus(session, input.focused);
+  input.active = ActiveSets(info);
   input.choice = instance_.Choice();
   input.pen = instance_.link.Read(now);
-  input.start_edges = record->focus_was_lost.exchange(false);
+  input.start_edges = session.focus_was_lost.exchange(false);
   TestInputs test;
   if (instance_.link.test() && instance_.link.test()->in_control()) {
     test = instance_.link.test()->inputs();
@@ -183,21 +190,20 @@ XrResult Input::SyncActions(XrSession session, const XrActionsSyncInfo* info) {
   instance_.force_feedbacks.FollowConstraints();
   instance_.force_feedbacks.Watch();
 
-  const std::unique_lock lock(record->mutex);
-  input.put_down = !input.test && PutDown(*record, input.pen);
-  SessionActions& state = record->actions;
+  const std::unique_lock lock(session.mutex);
+  input.put_down = !input.test && PutDown(session, input.pen);
+  SessionActions& state = session.actions;
   const Profile* before[] = {state.ProfileAt(instance_.hand_paths[0]), state.ProfileAt(instance_.hand_paths[1])};
-  state.Sync(input, NextStates(instance_.next, session), instance_.clock, instance_.clock.ToXr(now));
-  instance_.locator.UpdateSpaces(*record);
+  state.Sync(input, NextStates(instance_.next, session.handle), instance_.clock, instance_.clock.ToXr(now));
+  instance_.locator.UpdateSpaces(session);
   for (const Pulse& pulse : state.PopPulses()) instance_.vibrations.Play(pulse);
   for (std::size_t hand = 0; hand < instance_.hand_paths.size(); ++hand) {
     const Profile* after = state.ProfileAt(instance_.hand_paths[hand]);
     if (before[hand] == after) continue;
     const std::string side(UserPath(static_cast<Hand>(hand)));
     instance_.log.Line(side + (after ? ": the pen, as " + after->path : ": the pen is gone or put down"));
-    instance_.bindings.NotifyProfileChange(*record, instance_.hand_paths[hand], before[hand], after);
+    instance_.bindings.NotifyProfileChange(session, instance_.hand_paths[hand], before[hand], after);
   }
-  return result;
 }
 
 }  // namespace omni::layer

@@ -3,22 +3,11 @@
 #include <cstring>
 #include <string>
 
+#include "layer/src/entry/two_call.h"
 #include "layer/src/instance/instance.h"
 
 namespace omni::layer {
 namespace {
-
-// The two-call idiom.
-template <class T>
-XrResult Fill(const T* values, std::size_t n, std::uint32_t capacity, std::uint32_t* count, T* out) {
-  if (!count) return XR_ERROR_VALIDATION_FAILURE;
-  *count = static_cast<std::uint32_t>(n);
-  if (capacity == 0) return XR_SUCCESS;
-  if (capacity < n) return XR_ERROR_SIZE_INSUFFICIENT;
-  if (!out) return XR_ERROR_VALIDATION_FAILURE;
-  std::copy_n(values, n, out);
-  return XR_SUCCESS;
-}
 
 bool StartsWith(std::string_view text, std::string_view prefix) { return text.substr(0, prefix.size()) == prefix; }
 
@@ -63,13 +52,11 @@ XrResult Input::EnumerateBoundSourcesForAction(XrSession session, const XrBoundS
   }
   if (!owns) return instance_.next.EnumerateBoundSourcesForAction(session, info, capacity, count, sources);
 
-  std::uint32_t below = 0;
-  XrResult result = instance_.next.EnumerateBoundSourcesForAction(session, info, 0, &below, nullptr);
+  std::vector<XrPath> all;
+  const XrResult result = EnumerateBelow(all, XrPath{XR_NULL_PATH}, [&](auto below_capacity, auto* below, auto* out) {
+    return instance_.next.EnumerateBoundSourcesForAction(session, info, below_capacity, below, out);
+  });
   if (XR_FAILED(result)) return result;
-  std::vector<XrPath> all(below);
-  if (below > 0) result = instance_.next.EnumerateBoundSourcesForAction(session, info, below, &below, all.data());
-  if (XR_FAILED(result)) return result;
-  all.resize(std::min<std::size_t>(below, all.size()));
   // The pen's hand has no other device while the pen is present.
   all.erase(std::remove_if(all.begin(), all.end(),
                            [&](XrPath path) { return StartsWith(instance_.PathText(path), UserPath(hand)); }),

@@ -38,6 +38,7 @@ class Input {
  private:
   std::vector<ActiveSet> ActiveSets(const XrActionsSyncInfo& info) const;
   bool PutDown(Session& session, const PenSnapshot& pen);
+  void Sync(Session& session, const XrActionsSyncInfo& info, bool focused);
 
   Instance& instance_;
 };

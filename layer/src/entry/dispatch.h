@@ -39,13 +39,22 @@
 
 // Functions that not every runtime has (extensions, OpenXR 1.1): intercepted only if the next layer has them; otherwise
 // the application gets the next layer's answer.
-#define OMNI_LAYER_OPTIONAL(X)      \
-  X(Locator, LocateSpaces)          \
-  X(Locator, LocateSpacesKHR)       \
-  X(Locator, CreateHandTrackerEXT)  \
-  X(Locator, DestroyHandTrackerEXT) \
-  X(Locator, LocateHandJointsEXT)   \
-  X(Vibrations, GetDeviceSampleRateFB)
+#define OMNI_LAYER_OPTIONAL(X)                           \
+  X(Locator, LocateSpaces)                               \
+  X(Locator, LocateSpacesKHR)                            \
+  X(Locator, CreateHandTrackerEXT)                       \
+  X(Locator, DestroyHandTrackerEXT)                      \
+  X(Locator, LocateHandJointsEXT)                        \
+  X(Vibrations, GetDeviceSampleRateFB)                   \
+  X(RenderModels, CreateRenderModelEXT)                  \
+  X(RenderModels, DestroyRenderModelEXT)                 \
+  X(RenderModels, CreateRenderModelSpaceEXT)             \
+  X(RenderModels, EnumerateInteractionRenderModelIdsEXT) \
+  X(RenderModels, EnumerateRenderModelSubactionPathsEXT) \
+  X(RenderModels, GetRenderModelPoseTopLevelUserPathEXT) \
+  X(RenderModels, GetControllerModelKeyMSFT)             \
+  X(RenderModels, EnumerateRenderModelPathsFB)           \
+  X(RenderModels, GetRenderModelPropertiesFB)
 
 // Functions of the next layer or runtime that we only call, or that are no method of an instance.
 #define OMNI_LAYER_CALLED(X)         \

@@ -20,6 +20,7 @@
 #include "layer/src/instance/log.h"
 #include "layer/src/instance/records.h"
 #include "layer/src/instance/session.h"
+#include "layer/src/models/render_models.h"
 #include "layer/src/scene/haptic_scene.h"
 #include "layer/src/service/service_link.h"
 #include "layer/src/spaces/alignment.h"
@@ -57,6 +58,7 @@ class Instance {
   HandleMap<XrAction, Action> actions;
   HandleMap<XrSpace, Space> spaces;
   HandleMap<XrHandTrackerEXT, Session> hand_trackers;  // to their sessions
+  HandleMap<XrRenderModelEXT, RenderModel> render_model_handles;
   HandleMap<XrForceFeedbackOMNIX1, ForceFeedback> forces;
 
   // The functions, a class per subject. Those of sessions, events and the instance itself are below.
@@ -67,8 +69,10 @@ class Instance {
   Vibrations vibrations{*this};
   ForceFeedbacks force_feedbacks{*this};
   HapticScenes haptic_scenes{*this};
+  RenderModels render_models{*this};
   auto Parts() noexcept {
-    return std::tie(*this, input, bindings, locator, alignment, vibrations, force_feedbacks, haptic_scenes);
+    return std::tie(*this, input, bindings, locator, alignment, vibrations, force_feedbacks, haptic_scenes,
+                    render_models);
   }
 
   // sessions.cc

@@ -22,6 +22,7 @@ XrResult Instance::DestroySession(XrSession session) {
   if (XR_FAILED(result)) return result;
   force_feedbacks.EndOf(session);
   haptic_scenes.EndOf(session);
+  render_models.EndOf(session);
   spaces.EraseIf([session](const Space& space) { return space.session && space.session->handle == session; });
   hand_trackers.EraseIf([session](const Session& owner) { return owner.handle == session; });
   if (const auto record = sessions.Find(session)) {
@@ -93,6 +94,8 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
       std::memcpy(&changed, event, sizeof(changed));
       const auto session = sessions.Find(changed.session);
       if (session) session->profile_event_due = false;
+    } else if (event->type == XR_TYPE_EVENT_DATA_INTERACTION_RENDER_MODELS_CHANGED_EXT) {
+      render_models.PopChange();
     } else if (event->type == XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING) {
       XrEventDataReferenceSpaceChangePending changed;
       std::memcpy(&changed, event, sizeof(changed));
@@ -106,6 +109,12 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
   sessions.ForEach([&](Session& session) {
     if (due == XR_NULL_HANDLE && session.running && session.profile_event_due.exchange(false)) due = session.handle;
   });
+  if (due == XR_NULL_HANDLE && render_models.PopChange()) {
+    const XrEventDataInteractionRenderModelsChangedEXT changed{XR_TYPE_EVENT_DATA_INTERACTION_RENDER_MODELS_CHANGED_EXT,
+                                                               nullptr};
+    std::memcpy(event, &changed, sizeof(changed));
+    return XR_SUCCESS;
+  }
   if (due == XR_NULL_HANDLE) {
     XrEventDataBuffer ours;
     do {
