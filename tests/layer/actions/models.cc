@@ -1,0 +1,276 @@
+// What an application draws for a controller: the runtime's model, but none for the hand that the pen holds.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "tests/layer/support/app.h"
+
+namespace omni::test {
+namespace test_models {
+
+constexpr const char* kModelExtensions[] = {XR_EXT_RENDER_MODEL_EXTENSION_NAME,
+                                            XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME,
+                                            XR_MSFT_CONTROLLER_MODEL_EXTENSION_NAME, XR_FB_RENDER_MODEL_EXTENSION_NAME};
+
+struct ModelApp {
+  static AppOptions Options() {
+    AppOptions options;
+    options.extensions.assign(std::begin(kModelExtensions), std::end(kModelExtensions));
+    options.profiles = {kTouch, kSimple};
+    return options;
+  }
+#define OMNI_FUNCTION(member, name) PFN_xr##name member = FunctionOf<PFN_xr##name>(app.instance, "xr" #name)
+  App app{Options()};
+  OMNI_FUNCTION(enumerate, EnumerateInteractionRenderModelIdsEXT);
+  OMNI_FUNCTION(create, CreateRenderModelEXT);
+  OMNI_FUNCTION(destroy, DestroyRenderModelEXT);
+  OMNI_FUNCTION(create_space, CreateRenderModelSpaceEXT);
+  OMNI_FUNCTION(subactions, EnumerateRenderModelSubactionPathsEXT);
+  OMNI_FUNCTION(user_path, GetRenderModelPoseTopLevelUserPathEXT);
+  OMNI_FUNCTION(key, GetControllerModelKeyMSFT);
+  OMNI_FUNCTION(paths_fb, EnumerateRenderModelPathsFB);
+  OMNI_FUNCTION(properties_fb, GetRenderModelPropertiesFB);
+#undef OMNI_FUNCTION
+  XrSpace local = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
+
+  std::vector<XrRenderModelIdEXT> Ids() const {
+    std::uint32_t count = 0;
+    EXPECT_EQ(enumerate(app.session, nullptr, 0, &count, nullptr), XR_SUCCESS);
+    std::vector<XrRenderModelIdEXT> ids(count);
+    if (count > 0) {
+      EXPECT_EQ(enumerate(app.session, nullptr, count, &count, ids.data()), XR_SUCCESS);
+    }
+    return ids;
+  }
+  XrRenderModelEXT Make(XrRenderModelIdEXT id, XrResult wanted = XR_SUCCESS) const {
+    const XrRenderModelCreateInfoEXT info{XR_TYPE_RENDER_MODEL_CREATE_INFO_EXT, nullptr, id, 0, nullptr};
+    XrRenderModelEXT model = XR_NULL_HANDLE;
+    EXPECT_EQ(create(app.session, &info, &model), wanted) << id;
+    return model;
+  }
+  std::string UserPathOf(XrRenderModelEXT model) const {
+    const XrPath both[] = {app.left, app.right};
+    const XrInteractionRenderModelTopLevelUserPathGetInfoEXT info{
+        XR_TYPE_INTERACTION_RENDER_MODEL_TOP_LEVEL_USER_PATH_GET_INFO_EXT, nullptr, 2, both};
+    XrPath path = XR_NULL_PATH;
+    EXPECT_EQ(user_path(model, &info, &path), XR_SUCCESS);
+    return app.Text(path);
+  }
+  // The model of that hand, or none.
+  XrRenderModelEXT ModelAt(const std::string& hand) const {
+    for (const XrRenderModelIdEXT id : Ids())
+      if (const XrRenderModelEXT model = Make(id); UserPathOf(model) == hand) return model;
+    return XR_NULL_HANDLE;
+  }
+  XrSpace SpaceOf(XrRenderModelEXT model) const {
+    const XrRenderModelSpaceCreateInfoEXT info{XR_TYPE_RENDER_MODEL_SPACE_CREATE_INFO_EXT, nullptr, model};
+    XrSpace space = XR_NULL_HANDLE;
+    EXPECT_EQ(create_space(app.session, &info, &space), XR_SUCCESS);
+    return space;
+  }
+  bool Shown(XrSpace space) const {
+    XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
+    EXPECT_EQ(xrLocateSpace(space, local, Now_ns() + kRuntimeOffset_ns, &location), XR_SUCCESS);
+    return location.locationFlags != 0;
+  }
+  XrControllerModelKeyMSFT Key(XrPath hand) const {
+    XrControllerModelKeyStateMSFT state{XR_TYPE_CONTROLLER_MODEL_KEY_STATE_MSFT};
+    EXPECT_EQ(key(app.session, hand, &state), XR_SUCCESS);
+    return state.modelKey;
+  }
+  std::vector<std::string> PathsFB() const {
+    std::uint32_t count = 0;
+    EXPECT_EQ(paths_fb(app.session, 0, &count, nullptr), XR_SUCCESS);
+    std::vector<XrRenderModelPathInfoFB> infos(count, {XR_TYPE_RENDER_MODEL_PATH_INFO_FB, nullptr, XR_NULL_PATH});
+    EXPECT_EQ(paths_fb(app.session, count, &count, infos.data()), XR_SUCCESS);
+    std::vector<std::string> out;
+    for (const XrRenderModelPathInfoFB& info : infos) out.push_back(app.Text(info.path));
+    return out;
+  }
+  int TakeChangeEvents() {
+    app.events.clear();
+    app.Poll();
+    return app.CountEvents(XR_TYPE_EVENT_DATA_INTERACTION_RENDER_MODELS_CHANGED_EXT);
+  }
+  // Syncs until `hand` shows a profile of the pen (touch) or of the runtime's simple controller.
+  bool Until(FakeService& service, XrPath hand, const char* profile) {
+    return app.SyncUntil(service, [&] { return app.Profile(hand) == profile; });
+  }
+};
+
+class Models : public testing::Test {
+ protected:
+  void SetUp() override {
+    omni_test_reset();
+    omni_test_set_device("left", 1, kSimple);
+    omni_test_set_device("right", 1, kSimple);
+  }
+};
+
+// The whole story of one hand, for either hand: controller, pen, controller, pen.
+TEST_F(Models, InteractionModelsAreOfWhoHoldsTheHand) {
+  for (const std::string side : {"right", "left"}) {
+    SetUp();
+    ModelApp m;
+    const XrPath hand = side == "left" ? m.app.left : m.app.right;
+    const std::string user = "/user/hand/" + side, other = side == "left" ? "/user/hand/right" : "/user/hand/left";
+    EXPECT_TRUE(m.Ids().empty()) << "before the first sync";
+    ASSERT_EQ(m.app.Sync(), XR_SUCCESS);
+    EXPECT_EQ(m.TakeChangeEvents(), 1);
+    EXPECT_EQ(m.Ids().size(), 2u);
+    std::vector<XrRenderModelIdEXT> enumerated = m.Ids();
+    XrRenderModelEXT model = m.ModelAt(user);
+    ASSERT_NE(model, XR_NULL_HANDLE);
+    XrSpace space = m.SpaceOf(model);
+    const XrSpace others = m.SpaceOf(m.ModelAt(other));
+    EXPECT_TRUE(m.Shown(space));
+
+    FakeService service;
+    protocol::AppSettings settings;
+    settings.hand = side == "left" ? protocol::HandSetting::kLeft : protocol::HandSetting::kRight;
+    service.Wish(settings);
+    for (int visit = 0; visit < 2; ++visit) {
+      service.SetFlags(protocol::kToolPoseValid | protocol::kToolTracked);
+      ASSERT_TRUE(m.Until(service, hand, kTouch));
+      EXPECT_EQ(m.TakeChangeEvents(), 1) << "of one sync";
+      const std::vector<XrRenderModelIdEXT> during = m.Ids();
+      EXPECT_EQ(during.size(), 1u);
+      EXPECT_EQ(m.ModelAt(user), XR_NULL_HANDLE);
+      EXPECT_NE(m.ModelAt(other), XR_NULL_HANDLE);
+      // What was made of the controller's id is never shown again, and cannot be made again.
+      EXPECT_FALSE(m.Shown(space));
+      EXPECT_FALSE(m.Shown(m.SpaceOf(model)));
+      EXPECT_EQ(m.UserPathOf(model), "");
+      std::uint32_t paths = 9;
+      EXPECT_EQ(m.subactions(model, nullptr, 0, &paths, nullptr), XR_SUCCESS);
+      EXPECT_EQ(paths, 0u);
+      for (const XrRenderModelIdEXT id : enumerated) {
+        const bool listed = std::find(during.begin(), during.end(), id) != during.end();
+        if (!listed) m.Make(id, XR_ERROR_RENDER_MODEL_ID_INVALID_EXT);
+      }
+      EXPECT_TRUE(m.Shown(others));
+      ASSERT_EQ(m.app.Sync(), XR_SUCCESS);
+      EXPECT_EQ(m.TakeChangeEvents(), 0) << "nothing has changed";
+
+      service.SetFlags(0);
+      ASSERT_TRUE(m.Until(service, hand, kSimple));
+      EXPECT_EQ(m.TakeChangeEvents(), 1);
+      const std::vector<XrRenderModelIdEXT> after = m.Ids();
+      EXPECT_EQ(after.size(), 2u);
+      const XrRenderModelEXT again = m.ModelAt(user);
+      ASSERT_NE(again, XR_NULL_HANDLE);
+      for (const XrRenderModelIdEXT id : after) {
+        const bool was = std::find(enumerated.begin(), enumerated.end(), id) != enumerated.end();
+        EXPECT_EQ(was, m.UserPathOf(m.Make(id)) == other) << "a device that returns has a new id";
+        if (!was) enumerated.push_back(id);
+      }
+      EXPECT_FALSE(m.Shown(space));
+      space = m.SpaceOf(again);
+      EXPECT_TRUE(m.Shown(space));
+      EXPECT_EQ(m.destroy(model), XR_SUCCESS);
+      model = again;
+    }
+    EXPECT_TRUE(m.Shown(others));
+  }
+}
+
+TEST_F(Models, HandSwitchMovesTheHiddenModel) {
+  FakeService service;
+  ModelApp m;
+  ASSERT_TRUE(m.Until(service, m.app.right, kTouch));
+  EXPECT_NE(m.ModelAt("/user/hand/left"), XR_NULL_HANDLE);
+  protocol::AppSettings settings;
+  settings.hand = protocol::HandSetting::kLeft;
+  service.Wish(settings);
+  ASSERT_TRUE(m.Until(service, m.app.left, kTouch));
+  EXPECT_EQ(m.ModelAt("/user/hand/left"), XR_NULL_HANDLE);
+  EXPECT_NE(m.ModelAt("/user/hand/right"), XR_NULL_HANDLE);
+  omni_test_set_device("left", 0, nullptr);
+  omni_test_set_device("right", 0, nullptr);
+  service.Fill();
+  ASSERT_EQ(m.app.Sync(), XR_SUCCESS);
+  EXPECT_TRUE(m.Ids().empty());
+}
+
+// A second session starts as the first one did.
+TEST_F(Models, SecondSessionEnumeratesItsOwnModels) {
+  FakeService service;
+  ModelApp m;
+  ASSERT_TRUE(m.Until(service, m.app.right, kTouch));
+  EXPECT_EQ(m.Ids().size(), 1u);
+  ASSERT_EQ(xrDestroySession(m.app.session), XR_SUCCESS);
+  service.SetFlags(0);
+  service.Fill();
+  m.app.state = XR_SESSION_STATE_UNKNOWN;
+  const XrSessionCreateInfo info{XR_TYPE_SESSION_CREATE_INFO, nullptr, 0, m.app.system};
+  ASSERT_EQ(xrCreateSession(m.app.instance, &info, &m.app.session), XR_SUCCESS);
+  ASSERT_EQ(m.app.Attach(), XR_SUCCESS);
+  m.app.PollUntilFocused();
+  ASSERT_TRUE(m.Until(service, m.app.right, kSimple));
+  EXPECT_EQ(m.Ids().size(), 2u);
+}
+
+TEST_F(Models, OlderExtensionsHaveNoModelForThePensHand) {
+  ModelApp m;
+  ASSERT_EQ(m.app.Sync(), XR_SUCCESS);
+  const XrControllerModelKeyMSFT controller = m.Key(m.app.right);
+  EXPECT_NE(controller, XR_NULL_CONTROLLER_MODEL_KEY_MSFT);
+  const std::vector<std::string> both{"/model_fb/controller/left", "/model_fb/controller/right"};
+  EXPECT_EQ(m.PathsFB(), both);
+  const auto properties = [&](const char* path) {
+    XrRenderModelPropertiesFB out{XR_TYPE_RENDER_MODEL_PROPERTIES_FB};
+    const XrResult result = m.properties_fb(m.app.session, m.app.Path(path), &out);
+    EXPECT_EQ(out.modelKey != 0, result == XR_SUCCESS);
+    return result;
+  };
+  FakeService service;
+  for (int visit = 0; visit < 2; ++visit) {
+    service.SetFlags(protocol::kToolPoseValid | protocol::kToolTracked);
+    ASSERT_TRUE(m.Until(service, m.app.right, kTouch));
+    EXPECT_EQ(m.Key(m.app.right), XR_NULL_CONTROLLER_MODEL_KEY_MSFT);
+    EXPECT_NE(m.Key(m.app.left), XR_NULL_CONTROLLER_MODEL_KEY_MSFT);
+    EXPECT_EQ(m.PathsFB(), std::vector<std::string>{both[0]});
+    std::uint32_t count = 0;
+    XrRenderModelPathInfoFB one{XR_TYPE_RENDER_MODEL_PATH_INFO_FB};
+    EXPECT_EQ(m.paths_fb(m.app.session, 1, &count, &one), XR_SUCCESS);
+    EXPECT_EQ(properties("/model_fb/controller/left"), XR_SUCCESS);
+    EXPECT_EQ(properties("/model_fb/controller/right"), XR_RENDER_MODEL_UNAVAILABLE_FB);
+    EXPECT_EQ(properties("/model_fb/keyboard/local"), XR_ERROR_PATH_INVALID) << "the runtime's own answer";
+    service.SetFlags(0);
+    ASSERT_TRUE(m.Until(service, m.app.right, kSimple));
+    EXPECT_EQ(m.Key(m.app.right), controller);
+    EXPECT_EQ(m.PathsFB(), both);
+    EXPECT_EQ(m.paths_fb(m.app.session, 1, &count, &one), XR_ERROR_SIZE_INSUFFICIENT);
+    EXPECT_EQ(properties("/model_fb/controller/right"), XR_SUCCESS);
+  }
+}
+
+// The pen gives its hand back in the sync in which the other controller goes off.
+TEST_F(Models, ChangesOfPenAndRuntimeAreOneEvent) {
+  FakeService service;
+  ModelApp m;
+  ASSERT_TRUE(m.Until(service, m.app.right, kTouch));
+  m.TakeChangeEvents();
+  omni_test_set_device("left", 0, nullptr);
+  service.SetFlags(0);
+  ASSERT_TRUE(m.Until(service, m.app.right, kSimple));
+  EXPECT_EQ(m.TakeChangeEvents(), 1);
+  EXPECT_EQ(m.Ids().size(), 1u);
+}
+
+// Without the extension there is no event of it, and without a service all is the runtime's.
+TEST_F(Models, ApplicationsWithoutTheExtensionGetNoEvent) {
+  FakeService service;
+  AppOptions options;
+  options.profiles = {kTouch, kSimple};
+  App app(options);
+  EXPECT_EQ(FunctionOf<PFN_xrCreateRenderModelEXT>(app.instance, "xrCreateRenderModelEXT"), nullptr);
+  ASSERT_TRUE(app.WaitProfile(service, kTouch));
+  app.Poll();
+  EXPECT_EQ(app.CountEvents(XR_TYPE_EVENT_DATA_INTERACTION_RENDER_MODELS_CHANGED_EXT), 0);
+}
+
+}  // namespace test_models
+}  // namespace omni::test
