@@ -2,7 +2,8 @@
 #   our_extensions.cc       the table behind OurExtensions(), which xrEnumerateInstanceExtensionProperties answers with
 #   OMNI_LAYER_EXTENSIONS   "instance_extensions" of every manifest
 # An extension: name; version; may_be_below: requested from the runtime first; otherwise only we know it and it is
-# never passed down; entrypoints: its functions, as in OwnFunctions() (a test compares them).
+# never passed down; needs, if any: another extension of the list without which xrCreateInstance fails;
+# entrypoints: its functions, as in OwnFunctions() (a test compares them).
 set(list_file ${CMAKE_CURRENT_SOURCE_DIR}/extensions.json)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${list_file})
 file(READ ${list_file} list_text)
@@ -30,12 +31,18 @@ foreach(i RANGE ${list_last})
   else()
     set(below false)
   endif()
+  string(JSON needs ERROR_VARIABLE none GET "${list_text}" extensions ${i} needs)
+  if(needs)
+    set(needs "\"${needs}\"")
+  else()
+    set(needs nullptr)
+  endif()
   if(i GREATER 0)
     string(APPEND OMNI_LAYER_EXTENSIONS ",\n      ")
   endif()
   string(APPEND OMNI_LAYER_EXTENSIONS
          "{\"name\": \"${name}\", \"extension_version\": \"${version}\", \"entrypoints\": [${functions}]}")
-  string(APPEND table_rows "      {\"${name}\", ${version}, ${below}},\n")
+  string(APPEND table_rows "      {\"${name}\", ${version}, ${below}, ${needs}},\n")
 endforeach()
 
 set(extensions_cc ${CMAKE_CURRENT_BINARY_DIR}/our_extensions.cc)

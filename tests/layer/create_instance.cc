@@ -1,6 +1,9 @@
 // xrCreateInstance with an error in its arguments: the result is the same with the layer as without.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <string>
@@ -165,6 +168,88 @@ TEST(CreateInstance, InvalidInfoPastTheLoaderFailsAsWithoutTheLayer) {
   ExpectSameResults(MistakesThatALoaderStops(), bare, with_layer);
   const CreateInfo good;
   EXPECT_EQ(layered.CreateInstance(good.info, nullptr), alone.CreateInstance(good.info, nullptr));
+}
+
+// An error that fewer extensions cannot help is returned at once: the runtime complains as often as without the layer.
+TEST(CreateInstance, RuntimesRefusalIsReturnedAtOnce) {
+  constexpr XrResult kRefusals[] = {XR_ERROR_RUNTIME_UNAVAILABLE, XR_ERROR_RUNTIME_FAILURE, XR_ERROR_OUT_OF_MEMORY,
+                                    XR_ERROR_LIMIT_REACHED, XR_ERROR_INITIALIZATION_FAILED};
+  const std::vector<const char*> shared{"XR_MND_headless", "XR_LOGITECH_mx_ink_stylus_interaction",
+                                        "XR_KHR_generic_controller", "XR_FB_haptic_amplitude_envelope",
+                                        "XR_FB_haptic_pcm"};
+  long most = 0;
+  for (const XrResult refusal : kRefusals) {
+    omni_test_reset();
+    CreateInfo given;
+    given.extensions = shared;
+    given.UseExtensions();
+    omni_test_refuse_instances(refusal);
+    const long before = omni_test_call_count("xrCreateInstance");
+    EXPECT_EQ(CreateByLoader(given.info, true), refusal);
+    const long tries = omni_test_call_count("xrCreateInstance") - before;
+    EXPECT_EQ(tries, 1) << refusal;
+    most = std::max(most, tries);
+  }
+  omni_test_reset();
+  std::printf("[ figure   ] at most %ld tries for a runtime that refuses\n", most);
+}
+
+// What a runtime lacks is known from its list; without a list it is found in a linear number of tries.
+TEST(CreateInstance, MissingExtensionsTakeFewTries) {
+  struct Case {
+    const char* without;
+    std::vector<const char*> extensions;
+    XrResult result;
+    long most_tries;
+  };
+  const std::vector<const char*> four{"XR_LOGITECH_mx_ink_stylus_interaction", "XR_KHR_generic_controller",
+                                      "XR_FB_haptic_amplitude_envelope", "XR_FB_haptic_pcm"};
+  const std::vector<const char*> unknown{"XR_KHR_generic_controller", "XR_NOBODY_has_this"};
+  const Case cases[] = {{"", {}, XR_SUCCESS, 1},
+                        {"", four, XR_SUCCESS, 1},
+                        {XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME, four, XR_SUCCESS, 1},
+                        {"", unknown, XR_ERROR_EXTENSION_NOT_PRESENT, 2},
+                        {"xrEnumerateInstanceExtensionProperties", {}, XR_SUCCESS, 1},
+                        {"xrEnumerateInstanceExtensionProperties", four, XR_SUCCESS, 7},
+                        {"xrEnumerateInstanceExtensionProperties", unknown, XR_ERROR_EXTENSION_NOT_PRESENT, 4}};
+  const MiniLoader layered({OmniLayer()});
+  for (const Case& c : cases) {
+    omni_test_reset();
+    setenv("OMNI_TEST_RUNTIME_WITHOUT", c.without, 1);
+    CreateInfo given;
+    given.extensions = c.extensions;
+    given.UseExtensions();
+    const long before = omni_test_call_count("xrCreateInstance");
+    EXPECT_EQ(CreateByMiniLoader(layered, given.info), c.result) << c.without;
+    EXPECT_LE(omni_test_call_count("xrCreateInstance") - before, c.most_tries) << c.without;
+    unsetenv("OMNI_TEST_RUNTIME_WITHOUT");
+  }
+}
+
+// A runtime that lacks a function this layer needs: the application runs as without the layer.
+TEST(CreateInstance, LayerStepsAsideWhereAFunctionIsMissing) {
+  for (const char* missing : {"xrEnumerateReferenceSpaces", "xrApplyHapticFeedback"}) {
+    omni_test_reset();
+    setenv("OMNI_TEST_RUNTIME_WITHOUT", missing, 1);
+    const MiniLoader alone({}), layered({OmniLayer()});
+    CreateInfo given;
+    XrInstance bare = XR_NULL_HANDLE, instance = XR_NULL_HANDLE;
+    ASSERT_EQ(alone.CreateInstance(given.info, &bare), XR_SUCCESS);
+    ASSERT_EQ(layered.CreateInstance(given.info, &instance), XR_SUCCESS) << missing;
+    for (const char* name : {"xrGetSystem", "xrSyncActions", "xrLocateSpace", "xrCreateSession", missing,
+                             "xrConvertTimespecTimeToTimeKHR", "xrNoSuchFunction"})
+      EXPECT_EQ(layered.Get(instance, name), alone.Get(bare, name)) << name;
+    const auto destroy = reinterpret_cast<PFN_xrDestroyInstance>(layered.Get(instance, "xrDestroyInstance"));
+    EXPECT_EQ(destroy(instance), XR_SUCCESS);
+    EXPECT_EQ(destroy(instance), XR_ERROR_HANDLE_INVALID);
+    reinterpret_cast<PFN_xrDestroyInstance>(alone.Get(bare, "xrDestroyInstance"))(bare);
+    // What only the layer has is not there then.
+    given.extensions.push_back("XR_OMNIX1_force_feedback");
+    given.UseExtensions();
+    EXPECT_EQ(layered.CreateInstance(given.info, &instance), XR_ERROR_EXTENSION_NOT_PRESENT);
+    EXPECT_EQ(omni_test_live_handles(), 0u);
+    unsetenv("OMNI_TEST_RUNTIME_WITHOUT");
+  }
 }
 
 }  // namespace test_create_instance

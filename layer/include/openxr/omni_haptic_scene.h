@@ -6,7 +6,8 @@
  *
  * Units: SI (metres, seconds, newtons). Frames: as documented at each field. The "scene frame" is that of the glTF
  * document: right-handed, y up, metres as in the file; the placement sets its pose and scale. C89, needs
- * <openxr/openxr.h> 1.0.20 or newer and nothing else. Requires XR_OMNIX1_force_feedback to be enabled too.
+ * <openxr/openxr.h> 1.0.20 or newer and nothing else. Requires XR_OMNIX1_force_feedback: without it,
+ * xrCreateInstance returns XR_ERROR_EXTENSION_DEPENDENCY_NOT_ENABLED.
  */
 #ifndef OPENXR_OMNI_HAPTIC_SCENE_H_
 #define OPENXR_OMNI_HAPTIC_SCENE_H_ 1

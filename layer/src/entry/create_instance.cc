@@ -1,7 +1,8 @@
 // Which extensions are requested from the next layer or runtime ("below").
 //
-// xrEnumerateInstanceExtensionProperties below is unreliable (some layers and runtimes lack it), so we request what we
-// want and, if that fails, request less. If it fails for any reason: LunarG's core_validation 1.0.20 turns a runtime's
+// xrEnumerateInstanceExtensionProperties below says what is there. Some layers and runtimes lack it, or name what
+// others provide: then we request what we want and, if that fails, request less. Only errors that say so are tried
+// again; any other is returned at once. LunarG's core_validation 1.0.20, which does not enumerate, turns a runtime's
 // XR_ERROR_EXTENSION_NOT_PRESENT into XR_ERROR_INITIALIZATION_FAILED. The last attempt requests no more than the
 // application did, and its result is returned.
 //
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +23,7 @@ namespace omni::layer {
 namespace {
 
 // Only the manifest for conformance tests names it (manifests/layer/conformance.json.in).
-constexpr OurExtension kAutomation{XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME, 3, true};
+constexpr OurExtension kAutomation{XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME, 3, true, nullptr};
 
 const OurExtension* FindOurs(const std::string& name) {
   if (name == kAutomation.name) return TestDevice::Wanted() ? &kAutomation : nullptr;
@@ -60,36 +62,64 @@ XrResult Try(const Creation& creation, const Attempt& attempt, XrInstance* insta
   return creation.next->nextCreateApiLayerInstance(&info, &creation.below, instance);
 }
 
-// Which of the extensions that may be below are there is found by trying: all of them, then fewer and fewer. An
-// application requests one or two of them. Of more than five: all or none.
-std::vector<std::vector<std::string>> ChoicesOf(const std::vector<std::string>& asked) {
-  std::vector<std::string> shared;
+// The names that are enumerated below; empty: it cannot be enumerated there.
+std::optional<std::vector<std::string>> OfferedBelow(PFN_xrGetInstanceProcAddr next_get) {
+  PFN_xrVoidFunction found = nullptr;
+  if (XR_FAILED(next_get(XR_NULL_HANDLE, "xrEnumerateInstanceExtensionProperties", &found)) || !found) return {};
+  const auto enumerate = reinterpret_cast<PFN_xrEnumerateInstanceExtensionProperties>(found);
+  std::uint32_t count = 0;
+  if (XR_FAILED(enumerate(nullptr, 0, &count, nullptr)) || count == 0) return {};
+  std::vector<XrExtensionProperties> all(count, {XR_TYPE_EXTENSION_PROPERTIES, nullptr, "", 0});
+  if (XR_FAILED(enumerate(nullptr, count, &count, all.data()))) return {};
+  std::vector<std::string> names;
+  for (const XrExtensionProperties& one : all)
+    names.emplace_back(one.extensionName, strnlen(one.extensionName, sizeof(one.extensionName)));
+  return names;
+}
+
+// What to request, the most first; at last nothing more than the application did. Where it is unknown what is there,
+// all but each one in between.
+std::vector<Attempt> AttemptsFor(const std::vector<std::string>& asked,
+                                 const std::optional<std::vector<std::string>>& offered) {
+  const auto perhaps = [&](const std::string& name) { return !offered || Contains(*offered, name); };
+  Attempt most;
   for (const std::string& name : asked)
-    if (const OurExtension* ours = FindOurs(name); ours && ours->may_be_below) shared.push_back(name);
-  if (shared.size() > 5) return {shared, {}};
-  std::vector<std::vector<std::string>> choices;
-  for (unsigned mask = 0; mask < 1u << shared.size(); ++mask) {
-    std::vector<std::string> choice;
-    for (std::size_t i = 0; i < shared.size(); ++i)
-      if (mask & (1u << i)) choice.push_back(shared[i]);
-    choices.push_back(std::move(choice));
+    if (const OurExtension* ours = FindOurs(name); ours && ours->may_be_below && perhaps(name))
+      most.ours.push_back(name);
+  const std::string timespec = XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME;
+  most.timespec = !Contains(asked, timespec) && perhaps(timespec);
+  std::vector<Attempt> attempts{most};
+  if (most.timespec && !most.ours.empty()) attempts.push_back({most.ours, false});
+  for (std::size_t i = 0; !offered && i < most.ours.size(); ++i) {
+    attempts.push_back(most);
+    attempts.back().ours.erase(attempts.back().ours.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  std::stable_sort(choices.begin(), choices.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
-  return choices;
+  if (most.timespec || !most.ours.empty()) attempts.push_back({});
+  return attempts;
+}
+
+// A request for fewer extensions may succeed.
+bool LessMayHelp(XrResult result, bool enumerated) {
+  return result == XR_ERROR_EXTENSION_NOT_PRESENT || (result == XR_ERROR_INITIALIZATION_FAILED && !enumerated);
 }
 
 XrResult TryAll(const Creation& creation, Attempt& done, XrInstance* instance) {
-  const bool timespec = !Contains(creation.asked, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
+  const auto offered = OfferedBelow(creation.next->nextGetInstanceProcAddr);
   XrResult result = XR_ERROR_EXTENSION_NOT_PRESENT;
-  for (const bool with_timespec : {true, false}) {
-    if (with_timespec && !timespec) continue;
-    for (const std::vector<std::string>& choice : ChoicesOf(creation.asked)) {
-      done = {choice, with_timespec};
-      result = Try(creation, done, instance);
-      if (XR_SUCCEEDED(result)) return result;
-    }
+  for (const Attempt& attempt : AttemptsFor(creation.asked, offered)) {
+    done = attempt;
+    result = Try(creation, done, instance);
+    if (!LessMayHelp(result, offered.has_value())) return result;
   }
   return result;
+}
+
+// An extension of ours without the one of ours that it depends on [extension-dependencies].
+bool LacksDependency(const std::vector<std::string>& asked) {
+  return std::any_of(asked.begin(), asked.end(), [&](const std::string& name) {
+    const OurExtension* ours = FindOurs(name);
+    return ours && ours->needs && !Contains(asked, ours->needs);
+  });
 }
 
 // The application's structure unchanged: its extensions cannot be read.
@@ -126,6 +156,22 @@ client::ConnectionInfo ConnectionFor(const XrApplicationInfo& application) {
   return info;
 }
 
+// This instance is below what it would be without us, and the application gets its functions from there. What only we
+// provide is not present then.
+XrResult StepAside(const std::vector<std::string>& asked, const Attempt& done, const Dispatch& next,
+                   XrInstance* instance) {
+  const bool lacks_ours = std::any_of(asked.begin(), asked.end(), [&](const std::string& name) {
+    return FindOurs(name) && !Contains(done.ours, name);
+  });
+  if (!lacks_ours) {
+    Registry::Get().AddAside({*instance, next.GetInstanceProcAddr, next.DestroyInstance, done.timespec});
+    return XR_SUCCESS;
+  }
+  if (next.DestroyInstance) next.DestroyInstance(*instance);
+  *instance = XR_NULL_HANDLE;
+  return XR_ERROR_EXTENSION_NOT_PRESENT;
+}
+
 }  // namespace
 
 XrResult CreateApiLayerInstance(const XrInstanceCreateInfo* info, const XrApiLayerCreateInfo* layer_info,
@@ -137,6 +183,7 @@ XrResult CreateApiLayerInstance(const XrInstanceCreateInfo* info, const XrApiLay
   creation.below.nextInfo = layer_info->nextInfo->next;
   if (readable)
     creation.asked.assign(info->enabledExtensionNames, info->enabledExtensionNames + info->enabledExtensionCount);
+  if (LacksDependency(creation.asked)) return kErrorExtensionDependencyNotEnabled;
   Attempt done;
   const XrResult result = readable ? TryAll(creation, done, instance) : TryUnchanged(creation, instance);
   if (XR_FAILED(result)) return result;
@@ -145,9 +192,8 @@ XrResult CreateApiLayerInstance(const XrInstanceCreateInfo* info, const XrApiLay
   setup.handle = *instance;
   const char* missing = nullptr;
   if (!LoadDispatch(*instance, creation.next->nextGetInstanceProcAddr, setup.next, &missing)) {
-    Log().Line(std::string("not loaded: the runtime (or next layer) lacks ") + missing);
-    if (setup.next.DestroyInstance) setup.next.DestroyInstance(*instance);
-    return XR_ERROR_INITIALIZATION_FAILED;
+    Log().Line(std::string("not used: the runtime (or next layer) lacks ") + missing);
+    return StepAside(creation.asked, done, setup.next, instance);
   }
   setup.enabled = creation.asked;
   const XrVersion version = info->applicationInfo.apiVersion;

@@ -90,7 +90,6 @@ struct OwnFunction {
   const char* name;       // "xrApplyForceOMNIX1"
   const char* extension;  // answered only to applications that enabled it
   PFN_xrVoidFunction function;
-  const char* also = nullptr;  // another extension that must be enabled too
 };
 
 }  // namespace omni::layer

@@ -1,6 +1,7 @@
 // Every function that an application or the loader can call: finds the instance and stops exceptions. Instance
 // and its parts do the work, one class per subject.
 #include <cstring>
+#include <optional>
 
 #include "layer/src/entry/create_instance.h"
 #include "layer/src/entry/guarded.h"
@@ -12,6 +13,11 @@ namespace {
 XRAPI_ATTR XrResult XRAPI_CALL DestroyInstance(XrInstance instance) {
   return Guarded([&] {
     const auto record = Registry::Get().Find(instance);
+    if (const auto aside = Registry::Get().FindAside(instance)) {
+      const XrResult result = aside->destroy ? aside->destroy(instance) : XR_ERROR_RUNTIME_FAILURE;
+      if (XR_SUCCEEDED(result)) Registry::Get().Remove(instance);
+      return result;
+    }
     if (!record) return XR_ERROR_HANDLE_INVALID;
     record->link.SetSession(protocol::SessionState::kNone);
     const XrResult result = record->next.DestroyInstance(instance);
@@ -37,25 +43,33 @@ XRAPI_ATTR XrResult XRAPI_CALL CreateApiLayerInstanceEntry(const XrInstanceCreat
   return Guarded([&] { return CreateApiLayerInstance(info, layer_info, instance); });
 }
 
+// Of the extension that we enable for ourselves: hidden from an application that did not.
+bool ConvertsTime(const char* name) {
+  return std::strcmp(name, "xrConvertTimespecTimeToTimeKHR") == 0 ||
+         std::strcmp(name, "xrConvertTimeToTimespecTimeKHR") == 0;
+}
+
 XRAPI_ATTR XrResult XRAPI_CALL GetInstanceProcAddr(XrInstance instance, const char* name,
                                                    PFN_xrVoidFunction* function) {
   return Guarded([&] {
     if (!name || !function) return XR_ERROR_VALIDATION_FAILURE;
     const auto record = Registry::Get().Find(instance);
+    if (const auto aside = record ? std::nullopt : Registry::Get().FindAside(instance);
+        aside && std::strcmp(name, "xrDestroyInstance") != 0) {
+      *function = nullptr;
+      if (aside->hide_timespec && ConvertsTime(name)) return XR_ERROR_FUNCTION_UNSUPPORTED;
+      return aside->get(instance, name, function);
+    }
     *function = FindIntercepted(name, record ? &record->next : nullptr);
     if (*function) return XR_SUCCESS;
     if (!record) return XR_ERROR_HANDLE_INVALID;
     for (const OwnFunction& own : OwnFunctions()) {
       if (std::strcmp(name, own.name) != 0) continue;
-      const bool enabled = record->Enabled(own.extension);
-      if (!enabled || (own.also && !record->Enabled(own.also))) return XR_ERROR_FUNCTION_UNSUPPORTED;
+      if (!record->Enabled(own.extension)) return XR_ERROR_FUNCTION_UNSUPPORTED;
       *function = own.function;
       return XR_SUCCESS;
     }
-    // Enabled for our own use: hidden from the application.
-    if (record->hide_timespec && (std::strcmp(name, "xrConvertTimespecTimeToTimeKHR") == 0 ||
-                                  std::strcmp(name, "xrConvertTimeToTimespecTimeKHR") == 0))
-      return XR_ERROR_FUNCTION_UNSUPPORTED;
+    if (record->hide_timespec && ConvertsTime(name)) return XR_ERROR_FUNCTION_UNSUPPORTED;
     return record->next.GetInstanceProcAddr(instance, name, function);
   });
 }

@@ -10,6 +10,7 @@ struct OurExtension {
   const char* name;
   std::uint32_t version;
   bool may_be_below;  // requested from the runtime first; otherwise only we know it, and it is never passed down
+  const char* needs;  // another one of ours that must be enabled too; null: none
 };
 
 std::span<const OurExtension> OurExtensions();

@@ -17,7 +17,7 @@ const std::vector<OwnFunction>& OwnFunctions() {
 #define OMNI_FORCE(name, method) \
   { "xr" #name, kForce, Erase(&Entry<PFN_xr##name, &ForceFeedbacks::method>::Call) }
 #define OMNI_SCENE(name, method) \
-  { "xr" #name, kScene, Erase(&Entry<PFN_xr##name, &HapticScenes::method>::Call), kForce }
+  { "xr" #name, kScene, Erase(&Entry<PFN_xr##name, &HapticScenes::method>::Call) }
   static const std::vector<OwnFunction> all = [] {
     std::vector<OwnFunction> functions{
         OMNI_FORCE(CreateForceFeedbackOMNIX1, Create),

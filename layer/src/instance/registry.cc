@@ -21,9 +21,23 @@ void Registry::Add(std::shared_ptr<Instance> instance) {
   instances_.push_back(std::move(instance));
 }
 
+void Registry::AddAside(const AsideInstance& instance) {
+  const std::unique_lock lock(mutex_);
+  aside_.push_back(instance);
+}
+
+std::optional<AsideInstance> Registry::FindAside(XrInstance handle) const {
+  const std::shared_lock lock(mutex_);
+  for (const AsideInstance& aside : aside_)
+    if (aside.handle == handle) return aside;
+  return std::nullopt;
+}
+
 void Registry::Remove(XrInstance handle) {
   std::shared_ptr<Instance> last;  // dies outside of the lock
   const std::unique_lock lock(mutex_);
+  std::erase_if(aside_, [handle](const AsideInstance& aside) { return aside.handle == handle; });
+  if (aside_.empty()) aside_.shrink_to_fit();
   const auto it =
       std::find_if(instances_.begin(), instances_.end(), [&](const auto& i) { return i->handle == handle; });
   if (it == instances_.end()) return;

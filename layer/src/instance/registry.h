@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <shared_mutex>
 #include <vector>
 
@@ -9,12 +10,23 @@
 
 namespace omni::layer {
 
+// An instance that this layer has nothing to do with: something is missing below.
+struct AsideInstance {
+  XrInstance handle;
+  PFN_xrGetInstanceProcAddr get;
+  PFN_xrDestroyInstance destroy;
+  bool hide_timespec;
+};
+
 class Registry {
  public:
   static Registry& Get();
 
+  void AddAside(const AsideInstance& instance);
+  std::optional<AsideInstance> FindAside(XrInstance handle) const;
+
   void Add(std::shared_ptr<Instance> instance);
-  void Remove(XrInstance handle);
+  void Remove(XrInstance handle);  // of either kind
   std::shared_ptr<Instance> Find(XrInstance handle) const;
 
   // The instance that made this handle. An unknown handle (made by a function that we do not intercept, or invalid) is
@@ -41,6 +53,7 @@ class Registry {
 
   mutable std::shared_mutex mutex_;
   std::vector<std::shared_ptr<Instance>> instances_;
+  std::vector<AsideInstance> aside_;
 };
 
 }  // namespace omni::layer

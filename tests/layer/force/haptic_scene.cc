@@ -1,5 +1,6 @@
 // XR_OMNIX1_haptic_scene through the real loader: what the service receives, and what the application gets back.
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include "layer/src/spaces/locate.h"
@@ -9,17 +10,32 @@ namespace omni::test {
 namespace test_haptic_scene {
 
 TEST(HapticScene, FunctionsNeedBothExtensions) {
-  for (const bool force : {false, true}) {
-    for (const bool scene : {false, true}) {
-      AppOptions options;
-      if (force) options.extensions.push_back(XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME);
-      if (scene) options.extensions.push_back(XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME);
-      const App app(options);
-      const SceneFunctions f(app.instance);
-      EXPECT_EQ(f.create != nullptr, force && scene);
-      EXPECT_EQ(f.mesh != nullptr, force && scene);
-    }
+  for (const bool scene : {false, true}) {
+    AppOptions options;
+    options.extensions.push_back(XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME);
+    if (scene) options.extensions.push_back(XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME);
+    const App app(options);
+    const SceneFunctions f(app.instance);
+    EXPECT_EQ(f.create != nullptr, scene);
+    EXPECT_EQ(f.mesh != nullptr, scene);
   }
+}
+
+// As for every extension that depends on another one: no instance, and no runtime is asked for one.
+TEST(HapticScene, WithoutForceFeedbackThereIsNoInstance) {
+  const char* const extension = XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME;
+  XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
+  std::snprintf(info.applicationInfo.applicationName, sizeof(info.applicationInfo.applicationName), "scene");
+  info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 20);
+  info.enabledApiLayerCount = 1;
+  info.enabledApiLayerNames = &kLayer;
+  info.enabledExtensionCount = 1;
+  info.enabledExtensionNames = &extension;
+  const long before = omni_test_call_count("xrCreateInstance");
+  XrInstance instance = XR_NULL_HANDLE;
+  EXPECT_EQ(xrCreateInstance(&info, &instance), kErrorExtensionDependencyNotEnabled);
+  EXPECT_EQ(instance, static_cast<XrInstance>(XR_NULL_HANDLE));
+  EXPECT_EQ(omni_test_call_count("xrCreateInstance"), before);
 }
 
 TEST(HapticScene, SendsDocumentAndReportsServiceState) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
+#include <string_view>
 
 #include "tests/layer/fuzz/pick.h"
 #include "tests/layer/mini_loader/chain_app.h"
@@ -62,8 +63,13 @@ Sequence::Sequence(const MiniLoader& loader, const SequenceOptions& options)
   if (random_.Percent(50)) chain.api_version = XR_MAKE_VERSION(1, 1, 0);
   chain.extensions.push_back(XR_KHR_LOCATE_SPACES_EXTENSION_NAME);
   chain.extensions.push_back(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
-  for (const char* own : kOwnExtensions)
-    if (options_.ours && random_.Percent(85)) chain.extensions.push_back(own);
+  bool force = false;  // without it there is no instance with the scene's
+  for (const char* own : kOwnExtensions) {
+    if (!options_.ours || !random_.Percent(85)) continue;
+    const std::string_view name = own;
+    force = force || name == XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME;
+    if (force || name != XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME) chain.extensions.push_back(own);
+  }
   if (XR_FAILED(loader.CreateInstance(InstanceInfo(chain), &instance_))) throw std::runtime_error("xrCreateInstance");
   f_ = loader.Load(instance_);
   own_ = LoadOwn(loader, instance_);
