@@ -2,9 +2,9 @@
 // not connected, the service's page while connected. So Beat() may run on any thread while another one (re)connects.
 #pragma once
 
-#include <atomic>
 #include <string>
 
+#include "service/base/clock.h"
 #include "service/protocol/state_memory.h"
 
 namespace omni::client {
@@ -20,7 +20,7 @@ class LifeLink {
   std::string Attach(int fd);
   void Detach() noexcept;
 
-  void Beat() noexcept { page_->beat.fetch_add(1, std::memory_order_relaxed); }
+  void Beat() noexcept { page_->Beat(base::MonotonicNow_ns()); }
 
  private:
   protocol::LifePage* page_;

@@ -13,6 +13,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "service/base/life_page.h"
+
 namespace omni::protocol {
 
 inline constexpr std::uint32_t kStateMagic = 0x54534D4F;  // "OMST"
@@ -180,10 +182,8 @@ struct StateMemory {
   alignas(64) std::array<TelemetrySlot, kRingCapacity> telemetry;
 };
 
-// A client's own writable page. Every intercepted call adds one to `beat`: a sign of life without a system call.
-struct LifePage {
-  Word beat{0};
-};
+// A client's own writable page. Every intercepted call is a sign of life, without a system call.
+using LifePage = base::LifePage;
 inline constexpr std::uint32_t kLifePageBytes = 4096;
 
 }  // namespace omni::protocol
