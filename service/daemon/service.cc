@@ -91,6 +91,7 @@ protocol::AppSettings Service::SettingsFor(const config::AppEntry* app) const {
 void Service::OnGone(ipc::ClientId id) {
   const auto found = clients_.find(id);
   if (found == clients_.end()) return;
+  if (id == owners_.owner()) CloseGate();
   const bool application = found->second.info.role == protocol::ClientRole::kApplication;
   if (application) spdlog::info("client {} is gone", id);
   DropScene(found->second);
@@ -100,7 +101,7 @@ void Service::OnGone(ipc::ClientId id) {
   surfaces_.Remove(id);
   force_.Remove(id);
   base_poses_.Remove(id);
-  if (application) WriteCommands(base::MonotonicNow_ns());  // a dead owner's force goes now, not at the next period
+  if (application) WriteCommands(base::MonotonicNow_ns());
 }
 
 void Service::SetSession(ipc::ClientId id, protocol::SessionState state) {
@@ -242,6 +243,7 @@ void Service::OnPeriod(std::int64_t now_ns) {
   base_pose_writer_.HandleWritten(base_poses_);
   SendBasePoses();
   ReleaseScenes();
+  ReleaseLives();
   app_scenes_.Notify(owners_.owner(), generation_);
 }
 
@@ -331,38 +333,6 @@ const base::InputMapping& Service::MappingOf(const Client* client) const {
   return own ? client->app->inputs->mapping : options_.inputs.fallback.mapping;
 }
 
-void Service::WriteCommands(std::int64_t now_ns) {
-  const std::uint64_t owner = owners_.owner();
-  const auto found = clients_.find(owner);
-  const Client* client = found == clients_.end() ? nullptr : &found->second;
-  const std::shared_ptr<const BuiltScene> scene = SceneOf(owner);
-  if (wanted_ != scene) {
-    if (wanted_ != nullptr) retired_.push_back(wanted_);
-    wanted_ = scene;
-    if (wanted_ != nullptr) sculpt_.Enter(*wanted_->scene);
-    ++generation_;
-  }
-  force_.SetOwner(owner);
-  const std::int64_t beat_ns = owner == 0 || server_ == nullptr ? 0 : server_->LastBeat_ns(owner);
-  loop::Commands commands{.t_ns = now_ns,
-                          .gate = stopped_by_.empty() ? owners_.Gate(now_ns, beat_ns) : loop::ForceGate::kClosed,
-                          .idle = owners_.empty(),
-                          .scene_generation = generation_,
-                          .force_scale = client == nullptr || client->app == nullptr ? 1.0 : client->app->force_scale,
-                          .haptic = vibration_.waveform(),
-                          .inputs = MappingOf(client),
-                          .applied = force_.Command(now_ns, beat_ns),
-                          .scene = {}};
-  if (scene != nullptr && app_scenes_.Stands(owner)) app_scenes_.FillControl(owner, generation_, commands.scene);
-  const std::lock_guard lock(loop_mutex_);
-  if (loop_ == nullptr) return;
-  loop_->scenes().Write({.scene = scene == nullptr ? nullptr : scene->scene.get(),
-                         .generation = generation_,
-                         .build = scene == nullptr ? 0 : scene->build});
-  if (vibration_.PopFresh()) loop_->vibration().Write(vibration_.samples());  // before the command that names them
-  loop_->commands().Write(commands);
-}
-
 void Service::SendForceProperties() {
   if (server_ == nullptr) return;
   protocol::ForceProperties properties;
@@ -378,25 +348,6 @@ void Service::UpdateSurfaces() {
   if (!problem.empty()) Problem(0, 2, problem);
   const std::lock_guard lock(loop_mutex_);
   if (loop_ != nullptr) loop_->WantSurfaces(surfaces_.running());
-}
-
-// Frees retired scenes once the tick is known to hold the newest hand-over. Until then it may hold, or be about to
-// take, any earlier one. A hand-over's number is never reused, so an old acknowledgement cannot be taken for a new
-// one.
-void Service::ReleaseScenes() {
-  const std::lock_guard lock(loop_mutex_);
-  const bool newest =
-      loop_ == nullptr || loop_->statistics().scene_generation.load(std::memory_order_acquire) == generation_;
-  if (!newest) return;
-  for (const std::shared_ptr<const BuiltScene>& scene : retired_) {
-    if (scene == wanted_) continue;  // it came back
-    sculpt_.Leave(*scene->scene);
-    const bool kept =
-        app_scenes_.Holds(scene) ||
-        std::any_of(clients_.begin(), clients_.end(), [&](const auto& client) { return client.second.scene == scene; });
-    if (!kept) sculpt_.Remove(*scene->scene);
-  }
-  retired_.clear();
 }
 
 void Service::Problem(ipc::ClientId id, int level, const std::string& text) {

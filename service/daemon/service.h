@@ -95,7 +95,10 @@ class Service : public ipc::ServerHandler {
   void HandleSoftBodies();
   void HandleSculptResults();
   void ReleaseScenes();
+  void ReleaseLives();
+  void CloseGate();
   void WriteCommands(std::int64_t now_ns);
+  void HandOverLife(ipc::ClientId owner);
   void UpdateSurfaces();
   void SendForceProperties();
   void SendBasePoses();
@@ -116,6 +119,10 @@ class Service : public ipc::ServerHandler {
   std::shared_ptr<const BuiltScene> wanted_;                // of the owner; null: empty
   std::uint64_t generation_ = 0;                            // of `wanted_`: counts the hand-overs to the tick
   std::vector<std::shared_ptr<const BuiltScene>> retired_;  // until the tick has taken the newest hand-over
+  std::shared_ptr<const protocol::LifePage> life_;          // of the owner; null: none
+  std::uint64_t life_number_ = 0;                           // of `life_`: counts the hand-overs to the tick
+  std::vector<std::shared_ptr<const protocol::LifePage>> retired_lives_;  // as retired_
+  loop::Commands commands_;                                               // that the tick was given last
   AppScenes app_scenes_;
   Vibration vibration_;
   ForceClients force_;

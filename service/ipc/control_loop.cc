@@ -256,7 +256,7 @@ void ControlLoop::Greet(Peer& peer, const protocol::Hello& hello) {
     return Refuse(peer, "omnid already serves " + std::to_string(options_.max_clients) +
                             " clients, its limit; close one of them");
   }
-  const auto greeted = peer.Greet(hello, options_.service_instance, options_.state_fd, base::MonotonicNow_ns());
+  const auto greeted = peer.Greet(hello, options_.service_instance, options_.state_fd);
   if (!greeted) return Refuse(peer, greeted.error());
   Guarded("OnClient", &peer, [&] { handler_.OnClient(peer.info()); });
 }
@@ -277,7 +277,6 @@ void ControlLoop::OnTimer() {
   if (::read(timer_.get(), &expirations, sizeof(expirations)) < 0) return;
   const std::int64_t now_ns = base::MonotonicNow_ns();
   for (auto& [id, peer] : peers_) {
-    peer.ReadBeat(now_ns);
     if (!peer.greeted() && now_ns - peer.accepted_ns() > options_.hello_timeout_ns) peer.Doom("no Hello in time");
   }
   Guarded("OnPeriod", nullptr, [&] { handler_.OnPeriod(now_ns); });

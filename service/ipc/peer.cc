@@ -39,13 +39,12 @@ ProcessWatch WatchProcess(int socket, pid_t pid) noexcept {
 }
 
 Peer::Peer(ClientId id, UniqueFd socket, UniqueFd process, pid_t pid, std::int64_t now_ns)
-    : socket_(std::move(socket)), process_(std::move(process)), accepted_ns_(now_ns), last_beat_ns_(now_ns) {
+    : socket_(std::move(socket)), process_(std::move(process)), accepted_ns_(now_ns) {
   info_.id = id;
   info_.pid = pid;
 }
 
-base::Status Peer::Greet(const protocol::Hello& hello, std::uint64_t service_instance, int state_fd,
-                         std::int64_t now_ns) {
+base::Status Peer::Greet(const protocol::Hello& hello, std::uint64_t service_instance, int state_fd) {
   auto page = base::MakeSealedMemory("omni-life", protocol::kLifePageBytes, PROT_READ, base::kSealsFixedSize);
   if (!page) return base::Error{page.error()};
   info_.role = hello.role;
@@ -60,9 +59,8 @@ base::Status Peer::Greet(const protocol::Hello& hello, std::uint64_t service_ins
   if (protocol::SendPacket(socket_.get(), &welcome, sizeof(welcome), fds, 2) != SendResult::kSent) {
     return base::Error{"Welcome could not be sent"};
   }
-  life_mapping_ = std::move(page->mapping);
-  life_ = static_cast<const protocol::LifePage*>(life_mapping_.get());
-  last_beat_ns_ = now_ns;
+  const auto mapping = std::make_shared<const base::Mapping>(std::move(page->mapping));
+  life_ = {mapping, static_cast<const protocol::LifePage*>(mapping->get())};
   return base::Ok{};
 }
 
@@ -72,14 +70,6 @@ bool Peer::Send(std::string_view message, int file, protocol::Delivery delivery)
   if (result == SendResult::kFull && delivery == protocol::Delivery::kOnce) ++dropped_;
   if (result == SendResult::kGone) doomed_ = true;
   return result == SendResult::kSent;
-}
-
-void Peer::ReadBeat(std::int64_t now_ns) noexcept {
-  if (life_ == nullptr) return;
-  const std::uint64_t beat = life_->beat.load(std::memory_order_relaxed);
-  if (beat == last_beat_) return;
-  last_beat_ = beat;
-  last_beat_ns_ = now_ns;
 }
 
 void Peer::Doom(const std::string& reason) noexcept {

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "service/base/result.h"
@@ -38,18 +39,16 @@ class Peer {
   std::int64_t accepted_ns() const noexcept { return accepted_ns_; }
   bool greeted() const noexcept { return life_ != nullptr; }
   bool doomed() const noexcept { return doomed_; }
-  std::int64_t last_beat_ns() const noexcept { return last_beat_ns_; }
+  // Null before it is greeted. A holder keeps the page mapped after the peer has gone.
+  const std::shared_ptr<const protocol::LifePage>& life() const noexcept { return life_; }
   std::uint64_t dropped() const noexcept { return dropped_; }
 
   // Makes the life page and sends Welcome. From here on the peer is a client.
-  base::Status Greet(const protocol::Hello& hello, std::uint64_t service_instance, int state_fd, std::int64_t now_ns);
+  base::Status Greet(const protocol::Hello& hello, std::uint64_t service_instance, int state_fd);
 
   // Non-blocking. False: the peer's socket is full, or it is gone (and doomed). A message of Delivery::kOnce is then
   // lost, and counted. `file`: descriptor to pass along, still owned by the caller; < 0: none.
   bool Send(std::string_view message, int file, protocol::Delivery delivery) noexcept;
-
-  // Reads the life page once.
-  void ReadBeat(std::int64_t now_ns) noexcept;
 
   // Marks it for removal at the end of this round. A reason is sent to it first.
   void Doom(const std::string& reason) noexcept;
@@ -58,11 +57,8 @@ class Peer {
   ClientInfo info_;
   base::UniqueFd socket_;
   base::UniqueFd process_;
-  base::Mapping life_mapping_;
-  const protocol::LifePage* life_ = nullptr;
+  std::shared_ptr<const protocol::LifePage> life_;
   std::int64_t accepted_ns_;
-  std::int64_t last_beat_ns_;
-  std::uint64_t last_beat_ = 0;
   std::uint64_t dropped_ = 0;
   bool doomed_ = false;
 };

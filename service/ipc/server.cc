@@ -45,9 +45,9 @@ void Server::Stop() {
   if (impl_->thread.joinable() && impl_->thread.get_id() != std::this_thread::get_id()) impl_->thread.join();
 }
 
-std::int64_t Server::LastBeat_ns(ClientId id) const {
+std::shared_ptr<const protocol::LifePage> Server::Life(ClientId id) const {
   const Peer* peer = impl_->loop->Find(id);
-  return peer != nullptr ? peer->last_beat_ns() : 0;
+  return peer != nullptr ? peer->life() : nullptr;
 }
 
 bool Server::Send(ClientId id, const protocol::MessageHeader& head, std::size_t head_bytes, std::string_view tail,

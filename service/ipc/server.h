@@ -12,6 +12,7 @@
 #include "service/base/result.h"
 #include "service/base/unique_fd.h"
 #include "service/protocol/messages.h"
+#include "service/protocol/state_memory.h"
 
 namespace omni::ipc {
 
@@ -35,7 +36,7 @@ class ServerHandler {
   // A client's message that its role may send. Views in it are valid during the call. `file`: the descriptor of a
   // message that has one, checked: a HapticSceneLoad's is sealed memory of load.bytes bytes.
   virtual void OnRequest(ClientId id, const protocol::Request& request, base::UniqueFd file) = 0;
-  // Every period (about 10 ms). LastBeat_ns(id) is when a client's life page last changed.
+  // Every period (about 10 ms).
   virtual void OnPeriod(std::int64_t now_ns) = 0;
   virtual std::string StatusJson() = 0;
 };
@@ -65,7 +66,9 @@ class Server {
   void Stop();   // cannot be started again
 
   // Control thread only (from within handler calls).
-  std::int64_t LastBeat_ns(ClientId id) const;  // 0: unknown client; updated every period
+  // The client's sign of life; null: unknown client. The page stays mapped while it is held, also after OnGone. Its
+  // seals fix its size: whatever the client does to it, reading it raises no signal.
+  std::shared_ptr<const protocol::LifePage> Life(ClientId id) const;
   // One of OMNI_SERVER_MESSAGES, followed by `tail`, truncated to what a message holds. `file`: descriptor to pass
   // along, still owned by the caller; < 0: none. False: not sent, because the client's socket is full or it is gone. A
   // message of Delivery::kOnce is then lost, and counted.

@@ -88,6 +88,7 @@ struct TickStatistics {
   std::atomic<std::uint64_t> dropped_records{0};
   std::atomic<std::int64_t> response_ns{0};  // of the newest scan: how late its base applies commands; 0: not known
   std::atomic<std::uint64_t> scene_generation{0};  // acknowledged: the scene that ticks use now
+  std::atomic<std::uint64_t> owner_number{0};      // acknowledged: of OwnerLife; earlier pages are read no more
   VehicleStatistics vehicle;
   SourceStatistics sources;
   FitStatistics fit;

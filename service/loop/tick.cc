@@ -29,15 +29,28 @@ double Advance(const base::HallScan& scan, LoopState& state, TickOutput& output)
   return std::clamp(elapsed_s, 0.0, kMaxStep_s);
 }
 
+// Whether commands are younger than `timeout_ns`.
+bool AreFresh(const Commands& commands, std::int64_t timeout_ns, std::int64_t t_ns, double dt_s,
+              CommandWatch& watch) noexcept {
+  const bool fresh = base::StampDifference_ns(t_ns, commands.t_ns) <= timeout_ns;
+  watch.steady_ns = fresh ? base::StampAfter_ns(watch.steady_ns, std::llround(1e9 * dt_s)) : 0;
+  return fresh;
+}
+
+// Whether the owner's last sign of life is younger than `silent_after_ns`, and than the last break in the commands.
+bool IsAlive(std::int64_t owner_silence_ns, std::int64_t silent_after_ns, const CommandWatch& watch) noexcept {
+  return owner_silence_ns <= std::min(silent_after_ns, watch.steady_ns);
+}
+
 // The gain on everything rendered: opens slowly, closes fast, and fades when the owner falls silent.
-void MoveGate(const TickConfig& config, const Commands& commands, std::int64_t t_ns, double dt_s, LoopState& state,
-              TickOutput& output) noexcept {
-  const bool stale = base::StampDifference_ns(t_ns, commands.t_ns) > config.command_timeout_ns;
-  if (stale) output.faults |= kFaultCommandsStale;
+void MoveGate(const TickConfig& config, const Commands& commands, std::int64_t owner_silence_ns, std::int64_t t_ns,
+              double dt_s, LoopState& state, TickOutput& output) noexcept {
+  const bool fresh = AreFresh(commands, config.command_timeout_ns, t_ns, dt_s, state.commands);
+  if (!fresh) output.faults |= kFaultCommandsStale;
   const bool swap = commands.scene_generation != state.scene_generation;
   if (output.faults & kFaultDevice || swap || commands.gate == ForceGate::kClosed) {
     state.gate = std::max(0.0, state.gate - dt_s / config.gate_ramp_s);
-  } else if (stale || commands.gate == ForceGate::kSilent) {
+  } else if (!fresh || !IsAlive(owner_silence_ns, config.silent_after_ns, state.commands)) {
     state.gate = std::max(0.0, state.gate - dt_s / config.silent_ramp_s);
   } else {
     state.gate = std::min(1.0, state.gate + dt_s / config.open_ramp_s);
@@ -82,14 +95,16 @@ haptics::Input MakeHapticInput(const base::ToolState& tool, const base::ForceLim
           .pushed = state.applied.force_presence > 0};
 }
 
-// The application's own forces and constraints. A control thread that is stuck, or a device with a fault, ends them.
-base::Vec3 Push(const TickConfig& config, const Commands& commands, const haptics::Input& felt, LoopState& state,
-                TickOutput& output) noexcept {
+// The application's own forces and constraints. Its silence, a control thread that is stuck, or a device with a fault
+// ends them.
+base::Vec3 Push(const TickConfig& config, const Commands& commands, std::int64_t owner_silence_ns,
+                const haptics::Input& felt, LoopState& state, TickOutput& output) noexcept {
+  const bool heard = AreFresh(commands, config.applied_timeout_ns, felt.t_ns, felt.dt_s, state.applied_commands) &&
+                     IsAlive(owner_silence_ns, config.applied_silent_after_ns, state.applied_commands);
   if (haptics::IsAtRest(commands.applied, state.applied)) return {};
-  const bool fresh = base::StampDifference_ns(felt.t_ns, commands.t_ns) <= config.applied_timeout_ns;
   const haptics::AppliedInput input{.t_ns = felt.t_ns,
                                     .dt_s = felt.dt_s,
-                                    .allowed = fresh && (output.faults & kFaultDevice) == 0,
+                                    .allowed = heard && (output.faults & kFaultDevice) == 0,
                                     .tracked = felt.tracked,
                                     .device_point_base_m = felt.device_point_base_m,
                                     .velocity_base_m_s = felt.velocity_base_m_s,
@@ -204,7 +219,7 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   tracker::Update(config.tracker, scan, state.tracker, output.tool, pushed);
   if (output.tool.status != base::TrackingStatus::kTracking) output.faults |= kFaultTracking;
   CarryOrientation(output.tool, state, output);
-  MoveGate(config, commands, scan.t_ns, dt_s, state, output);
+  MoveGate(config, commands, feeds.owner_silence_ns, scan.t_ns, dt_s, state, output);
 
   const base::ToolState tool = Bridged(config, output.tool, state);
   actuation::UpdateHeat(config.actuation, scan, state.actuation);
@@ -220,7 +235,7 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   const haptics::Input felt = MakeHapticInput(tool, limit, acting, delay_s, dt_s, state);
   RenderScene(config, commands.scene, scene, felt, state, output);
   const base::Vec3 detent_N = FollowInputs(config, commands, feeds.keys, tool, dt_s, state, output);
-  const base::Vec3 applied_N = Push(config, commands, felt, state, output);
+  const base::Vec3 applied_N = Push(config, commands, feeds.owner_silence_ns, felt, state, output);
   const base::Vec3 pushed_N = output.haptics.force_base_N + applied_N + detent_N;
   const base::Vec3 vibration_N =
       VibrationForce_N(config.vibration, commands.haptic, feeds.samples, dt_s, state.vibration) * tool.axis_base;

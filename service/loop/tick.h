@@ -8,12 +8,14 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 #include "service/actuation/actuation.h"
 #include "service/base/hall_scan.h"
 #include "service/base/input_mapping.h"
 #include "service/base/input_state.h"
+#include "service/base/life_page.h"
 #include "service/base/tool_state.h"
 #include "service/haptics/applied/applied.h"
 #include "service/haptics/haptics.h"
@@ -36,9 +38,11 @@ struct TickConfig {
   InputConfig inputs;
   double open_ramp_s = 0.100;    // force fades in over this when an owner appears or a scene becomes current
   double gate_ramp_s = 0.010;    // force fades to zero over this when the owner is gone or hands over
-  double silent_ramp_s = 0.100;  // fade after an owner gave no sign of life for 250 ms
+  double silent_ramp_s = 0.100;  // fade when an owner is silent or the control thread stuck
   std::int64_t command_timeout_ns = 100'000'000;          // commands older than this: the control thread is stuck, fade
   std::int64_t applied_timeout_ns = 35'000'000;           // the same for an application's own forces and constraints
+  std::int64_t silent_after_ns = 250'000'000;             // an owner without a sign of life for longer is silent: fade
+  std::int64_t applied_silent_after_ns = 50'000'000;      // the same for its own forces and constraints
   std::array<double, base::kCoilCount> cold_current_A{};  // of a cold device; prepared by MakeTickConfig
   int bridge_scans = 10;  // scans in a row without a fit that do not end a contact: the pose is held
   VibrationConfig vibration;
@@ -47,14 +51,21 @@ struct TickConfig {
 
 enum class ForceGate : std::uint8_t {
   kClosed = 0,  // no owner, or it is gone: zero within gate_ramp_s
-  kSilent = 1,  // owner gives no sign of life: fade over silent_ramp_s
-  kOpen = 2
+  kOpen = 1     // while its owner gives signs of life
+};
+
+// The page of the application that owns the force. The tick reads it itself: what it learns from the control thread may
+// be old. The control thread keeps it mapped until TickStatistics::owner_number names a later one.
+struct OwnerLife {
+  const base::LifePage* page = nullptr;  // null: no process is behind these commands, and none can fall silent
+  std::uint64_t number = 0;              // of the hand-over; never reused
 };
 
 // Fixed-size snapshot of what clients want, handed over by Latest<Commands>.
 struct Commands {
   std::int64_t t_ns = 0;  // when the control thread wrote it (CLOCK_MONOTONIC)
   ForceGate gate = ForceGate::kClosed;
+  OwnerLife owner;
   bool idle = true;                    // no client at all: once coils are at zero the thread tracks at a low rate
   std::uint64_t scene_generation = 0;  // the scene that should be current; the tick ramps out and requests it
   double force_scale = 1;              // [0, 1], from apps.d
@@ -69,6 +80,13 @@ static_assert(std::is_trivially_copyable_v<Commands>);
 struct TickFeeds {
   const VibrationSamples* samples = nullptr;  // of a waveform that has some
   const base::KeyStates* keys = nullptr;      // null: no keyboard and no pedal is read
+  std::int64_t owner_silence_ns = 0;          // since the owner's last sign of life
+};
+
+// How long commands have come in time, without a break. A break counts as over only with a sign of life that was given
+// after it: the control thread may come back before it knows that the application does not.
+struct CommandWatch {
+  std::int64_t steady_ns = std::numeric_limits<std::int64_t>::max();
 };
 
 struct LoopState {
@@ -80,9 +98,10 @@ struct LoopState {
   DetentState detent;
   std::int64_t t_ns = 0;  // of the last scan
   std::uint64_t tick = 0;
-  int lost_scans = 0;                  // in a row
-  double gate = 0;                     // 0..1 gain on everything rendered
-  std::uint64_t scene_generation = 0;  // of the scene passed to Tick
+  int lost_scans = 0;                       // in a row
+  double gate = 0;                          // 0..1 gain on everything rendered
+  CommandWatch commands, applied_commands;  // by command_timeout_ns and applied_timeout_ns
+  std::uint64_t scene_generation = 0;       // of the scene passed to Tick
   VibrationState vibration;
   bool pulses = false;  // the last tick added a vibration or a detent to what haptics renders
   ForceLimiterState limiter;

@@ -72,13 +72,24 @@ void TickThread::WriteRoom(const base::HallScan& scan) noexcept {
   room_.WriteWith([&](RoomSample& sample) { sample = {scan, record_.output.tool, ContactGain(record_.output)}; });
 }
 
+std::int64_t TickThread::OwnerSilence_ns(const OwnerLife& owner, std::int64_t now_ns) noexcept {
+  if (owner.page == nullptr) return 0;
+  if (owner.number != owner_number_) owner_watch_ = {};
+  owner_number_ = owner.number;
+  owner_watch_.Look(*owner.page, now_ns);
+  return owner_watch_.Silence_ns(now_ns);
+}
+
 void TickThread::Once(const base::HallScan& scan) noexcept {
   const Commands& commands = commands_.Read();
+  statistics_->owner_number.store(commands.owner.number, std::memory_order_release);
   const bool at_zero = state_.gate == 0 && record_.output.currents.current_A == base::CoilCurrents{}.current_A;
   const bool rests = commands.idle && at_zero;
   if (rests && scan.sequence % static_cast<std::uint64_t>(options_.idle_divider) != 0) return;
-  const TickFeeds feeds{.samples = &vibration_->Read(), .keys = &keys_.Read()};
   const std::int64_t begin_ns = base::MonotonicNow_ns();
+  const TickFeeds feeds{.samples = &vibration_->Read(),
+                        .keys = &keys_.Read(),
+                        .owner_silence_ns = OwnerSilence_ns(commands.owner, begin_ns)};
   Tick(config_, scan, commands, *scene_, state_, record_.output, feeds);
   const std::int64_t end_ns = base::MonotonicNow_ns();
   source_.Apply(record_.output.currents);

@@ -68,6 +68,7 @@ class TickThread {
   void Run();
   void Once(const base::HallScan& scan) noexcept;
   void TakeScene(const Commands& commands) noexcept;
+  std::int64_t OwnerSilence_ns(const OwnerLife& owner, std::int64_t now_ns) noexcept;
   void WriteSurfaces(std::int64_t t_ns) noexcept;
   void WriteRoom(const base::HallScan& scan) noexcept;
 
@@ -93,6 +94,8 @@ class TickThread {
   // Tick thread only.
   LoopState state_;
   TickRecord record_;
+  base::LifeWatch owner_watch_;
+  std::uint64_t owner_number_ = 0;  // of the page that it reads
   const haptics::Scene empty_;
   const haptics::Scene* scene_ = &empty_;
   std::uint64_t build_ = 0;  // of scene_

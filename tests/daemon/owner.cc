@@ -15,7 +15,6 @@ TEST(Owner, NobodyOwnsWithoutFocus) {
   table.Add(1, ClientRole::kApplication);
   table.SetSession(1, SessionState::kBegun);
   EXPECT_EQ(table.owner(), 0U);
-  EXPECT_EQ(table.Gate(0, 0), loop::ForceGate::kClosed);
 }
 
 TEST(Owner, LastClientToGainFocusOwns) {
@@ -49,14 +48,6 @@ TEST(Owner, MonitorsNeverOwn) {
   table.Add(1, ClientRole::kMonitor);
   table.SetSession(1, SessionState::kFocused);
   EXPECT_EQ(table.owner(), 0U);
-}
-
-TEST(Owner, FadesForceAfter250MillisecondsWithoutHeartbeat) {
-  OwnerTable table;
-  table.Add(1, ClientRole::kApplication);
-  table.SetSession(1, SessionState::kFocused);
-  EXPECT_EQ(table.Gate(1'250'000'000, 1'000'000'000), loop::ForceGate::kOpen);
-  EXPECT_EQ(table.Gate(1'250'000'001, 1'000'000'000), loop::ForceGate::kSilent);
 }
 
 TEST(Owner, UnknownClientsAreIgnored) {

@@ -78,7 +78,7 @@ class RecordingHandler : public ipc::ServerHandler {
     ++periods_;
     for (const auto& [id, client] : clients_) {
       if (gone_.count(id) > 0) continue;
-      beats_[id] = server->LastBeat_ns(id);
+      if (const auto life = server->Life(id)) beats_[id] = life->beat.load();
       dropped_[id] = server->DroppedMessages(id);
       protocol::Notice notice;
       notice.level = 1;
@@ -109,7 +109,7 @@ class RecordingHandler : public ipc::ServerHandler {
   std::int64_t GoneAt_ns(ipc::ClientId id) {
     return Locked([&] { return gone_.count(id) > 0 ? gone_[id] : 0; });
   }
-  std::int64_t BeatAt_ns(ipc::ClientId id) {
+  std::uint64_t Beats(ipc::ClientId id) {
     return Locked([&] { return beats_[id]; });
   }
   std::uint64_t Dropped(ipc::ClientId id) {
@@ -141,7 +141,7 @@ class RecordingHandler : public ipc::ServerHandler {
   std::mutex mutex_;
   std::map<ipc::ClientId, ipc::ClientInfo> clients_;
   std::map<ipc::ClientId, std::int64_t> gone_;
-  std::map<ipc::ClientId, std::int64_t> beats_;
+  std::map<ipc::ClientId, std::uint64_t> beats_;
   std::map<ipc::ClientId, std::uint64_t> dropped_;
   std::vector<std::pair<ipc::ClientId, protocol::SessionState>> sessions_;
   std::vector<std::pair<ipc::ClientId, protocol::Haptic>> haptics_;

@@ -30,22 +30,21 @@ TEST(Lifecycle, StoppedClientStopsBeatingButStaysConnected) {
   Service service(temp.Path("omnid.sock"));
   ASSERT_TRUE(Eventually([&] { return service.handler.Has("frozen"); }));
   const ipc::ClientId id = service.handler.IdOf("frozen");
-  const std::int64_t start_ns = service.handler.BeatAt_ns(id);
-  ASSERT_TRUE(Eventually([&] { return service.handler.BeatAt_ns(id) > start_ns; }));
+  const std::uint64_t start = service.handler.Beats(id);
+  ASSERT_TRUE(Eventually([&] { return service.handler.Beats(id) > start; }));
 
   client.Signal(SIGSTOP);
   // It has stopped once 30 periods (ten times its own pace) bring nothing new.
-  std::int64_t last_ns = 0;
+  std::uint64_t last = 0;
   ASSERT_TRUE(Eventually([&] {
-    last_ns = service.handler.BeatAt_ns(id);
+    last = service.handler.Beats(id);
     const int periods = service.handler.Periods();
-    return Eventually([&] { return service.handler.Periods() > periods + 30; }) &&
-           service.handler.BeatAt_ns(id) == last_ns;
+    return Eventually([&] { return service.handler.Periods() > periods + 30; }) && service.handler.Beats(id) == last;
   }));
   EXPECT_EQ(service.handler.GoneAt_ns(id), 0) << "stopped is not dead";
 
   client.Signal(SIGCONT);
-  EXPECT_TRUE(Eventually([&] { return service.handler.BeatAt_ns(id) > last_ns; }));
+  EXPECT_TRUE(Eventually([&] { return service.handler.Beats(id) > last; }));
 }
 
 TEST(Lifecycle, ClientsReconnectToARestartedServiceWithTheirSessions) {
@@ -78,10 +77,9 @@ TEST(Lifecycle, ClientsReconnectToARestartedServiceWithTheirSessions) {
   ASSERT_TRUE(Eventually([&] { return service->handler.Sessions().size() == 1; }));
   EXPECT_EQ(service->handler.Sessions()[0].second, SessionState::kFocused);
   const ipc::ClientId id = service->handler.IdOf("touch");
-  ASSERT_TRUE(Eventually([&] { return service->handler.BeatAt_ns(id) != 0; }));
-  const std::int64_t beat_ns = service->handler.BeatAt_ns(id);
+  const std::uint64_t before = service->handler.Beats(id);
   connection.Beat();
-  EXPECT_TRUE(Eventually([&] { return service->handler.BeatAt_ns(id) > beat_ns; }));
+  EXPECT_TRUE(Eventually([&] { return service->handler.Beats(id) > before; }));
 }
 
 TEST(Lifecycle, BeatIsSafeFromOtherThreadsDuringReconnection) {

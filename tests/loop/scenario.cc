@@ -72,13 +72,16 @@ TEST(LoopScenario, NoCurrentWithoutAScene) {
 }
 
 // Runs into the hold phase with the gate open, then lets `commands` rule; returns ms until the currents are zero.
-double MillisecondsToZero(const std::function<loop::Commands(const base::HallScan&)>& after) {
+double MillisecondsToZero(
+    const std::function<loop::Commands(const base::HallScan&)>& after,
+    const std::function<void(Scenario&)>& change = [](Scenario&) {}) {
   const haptics::Scene table = TableScene(kTableTop_m);
   Scenario scenario(PressAndSlide(), 2.3);
   while (scenario.scan.sequence == 0 || scenario.state.tick < 1900) {
     if (!scenario.Step(table)) return -1;
   }
   if (!(scenario.current_A() > 0.5)) return -2;  // it must be pushing
+  change(scenario);
   for (int ms = 0; scenario.Step(table, after); ++ms) {
     if (scenario.current_A() == 0) return ms;
   }
@@ -94,13 +97,44 @@ TEST(LoopScenario, ForceIsZeroWithin20MillisecondsOfOwnerLoss) {
 }
 
 TEST(LoopScenario, ForceOfSilentOwnerFadesOver100Milliseconds) {
-  const double ms = MillisecondsToZero([](const base::HallScan& scan) {
-    loop::Commands commands = Scenario::Open(scan);
-    commands.gate = loop::ForceGate::kSilent;
-    return commands;
+  const double ms = MillisecondsToZero(Scenario::Open, [](Scenario& scenario) {
+    scenario.feeds.owner_silence_ns = scenario.config.silent_after_ns + 1;
   });
   EXPECT_GE(ms, 60);
   EXPECT_LE(ms, 110);
+}
+
+TEST(LoopScenario, ForceDoesNotFadeForSlowOwner) {
+  const double ms = MillisecondsToZero(
+      Scenario::Open, [](Scenario& scenario) { scenario.feeds.owner_silence_ns = scenario.config.silent_after_ns; });
+  EXPECT_EQ(ms, -3);
+}
+
+// The control thread comes back after 220 ms; the owner has hung meanwhile, or its next sign of life comes later.
+TEST(LoopScenario, AfterStuckControlThreadForceReturnsWithNextSignOfLifeOnly) {
+  const haptics::Scene table = TableScene(kTableTop_m);
+  Scenario scenario(PressAndSlide(), 2.9);
+  while (scenario.state.tick < 1900 && scenario.Step(table)) {
+  }
+  ASSERT_GT(scenario.current_A(), 0.5);
+  const std::int64_t written_ns = scenario.scan.t_ns, back_ns = written_ns + 220'000'000;
+  std::int64_t beat_ns = written_ns + 200'000'000;
+  const auto commands = [&](const base::HallScan& scan) {
+    loop::Commands now = Scenario::Open(scan);
+    if (scan.t_ns < back_ns) now.t_ns = written_ns;
+    scenario.feeds.owner_silence_ns = scan.t_ns < beat_ns ? 0 : scan.t_ns - beat_ns;
+    return now;
+  };
+  const auto step_until = [&](std::int64_t end_ns) {
+    double peak_A = 0;
+    while (scenario.scan.t_ns < end_ns && scenario.Step(table, commands)) {
+      if (scenario.scan.t_ns > back_ns) peak_A = std::max(peak_A, scenario.current_A());
+    }
+    return peak_A;
+  };
+  EXPECT_EQ(step_until(back_ns + 100'000'000), 0) << "its last sign of life is 20 ms older than the commands";
+  beat_ns = std::numeric_limits<std::int64_t>::max();
+  EXPECT_GT(step_until(back_ns + 300'000'000), 0.5);
 }
 
 TEST(LoopScenario, ForceFadesIfTheControlThreadIsStuck) {

@@ -89,9 +89,9 @@ bool ForceClients::Handle(ipc::ClientId id, const protocol::ForceRequest& reques
   return true;
 }
 
-haptics::AppliedCommand ForceClients::Command(std::int64_t now_ns, std::int64_t last_beat_ns) const {
+haptics::AppliedCommand ForceClients::Command(std::int64_t now_ns) const {
   haptics::AppliedCommand command = command_;
-  command.open = claimed_owner() != 0 && now_ns - last_beat_ns <= kSilent_ns;
+  command.open = claimed_owner() != 0;
   // The tick uses the device's stamps; if those stand still, this clock ends the force.
   if (now_ns >= command.force_end_ns) command.force_end_ns = std::numeric_limits<std::int64_t>::min();
   return command;

@@ -15,8 +15,6 @@ namespace omni::daemon {
 
 class ForceClients {
  public:
-  static constexpr std::int64_t kSilent_ns = 50'000'000;  // no sign of life for this long: its forces are suspended
-
   struct Send {
     std::function<bool(ipc::ClientId, const protocol::ForceOwner&)> owner;
     std::function<bool(ipc::ClientId, const protocol::ForceProperties&)> properties;
@@ -32,8 +30,8 @@ class ForceClients {
   // False: the client is not active now, and nothing has changed.
   bool Handle(ipc::ClientId id, const protocol::ForceRequest& request, std::int64_t now_ns);
 
-  // For the tick. `last_beat_ns`: of the owner.
-  haptics::AppliedCommand Command(std::int64_t now_ns, std::int64_t last_beat_ns) const;
+  // For the tick, which suspends it while the owner is silent.
+  haptics::AppliedCommand Command(std::int64_t now_ns) const;
 
   // Notifies every application of changes. Messages that could not be sent are retried by the next call.
   void Notify(const protocol::ForceProperties& properties);

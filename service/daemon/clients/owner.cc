@@ -33,9 +33,4 @@ protocol::SessionState OwnerTable::session(std::uint64_t client) const {
   return found == clients_.end() ? protocol::SessionState::kNone : found->second.session;
 }
 
-loop::ForceGate OwnerTable::Gate(std::int64_t now_ns, std::int64_t last_beat_ns) const {
-  if (owner() == 0) return loop::ForceGate::kClosed;
-  return now_ns - last_beat_ns > kSilent_ns ? loop::ForceGate::kSilent : loop::ForceGate::kOpen;
-}
-
 }  // namespace omni::daemon

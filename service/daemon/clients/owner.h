@@ -4,15 +4,12 @@
 #include <cstdint>
 #include <map>
 
-#include "service/loop/tick.h"
 #include "service/protocol/control.h"
 
 namespace omni::daemon {
 
 class OwnerTable {
  public:
-  static constexpr std::int64_t kSilent_ns = 250'000'000;  // no sign of life for this long: contact fades
-
   void Add(std::uint64_t client, protocol::ClientRole role);
   void Remove(std::uint64_t client);
   void SetSession(std::uint64_t client, protocol::SessionState state);
@@ -21,9 +18,6 @@ class OwnerTable {
   std::uint64_t owner() const;
   bool empty() const { return clients_.empty(); }
   protocol::SessionState session(std::uint64_t client) const;
-
-  // What the owner's signs of life allow. last_beat_ns: of the owner.
-  loop::ForceGate Gate(std::int64_t now_ns, std::int64_t last_beat_ns) const;
 
  private:
   struct Entry {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -88,7 +89,7 @@ class StressRun {
     sim::ScanFaults()[fault_].apply(context_, scan);
     const loop::Commands commands = DrawCommands(scan);
     const loop::AllocProbe probe;
-    loop::Tick(config_, scan, commands, scene_, *state_, *output_);
+    loop::Tick(config_, scan, commands, scene_, *state_, *output_, feeds_);
     const std::uint64_t allocations = probe.count();
     if (output_->wants_scene) loop::EnterScene(scene_, commands.scene_generation, *state_);
     Count(row, allocations);
@@ -133,7 +134,7 @@ class StressRun {
   loop::Commands DrawCommands(const base::HallScan& scan) {
     loop::Commands commands{.t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1};
     const std::uint64_t draw = random_.Bits() % 64;
-    if (draw == 0) commands.gate = loop::ForceGate::kSilent;
+    feeds_.owner_silence_ns = draw == 0 ? std::numeric_limits<std::int64_t>::max() : 0;
     if (draw == 1) commands.force_scale = std::nan("");
     if (draw == 2) commands.t_ns = 0;
     if (draw == 3) commands.scene_generation = 2 + random_.Bits() % 3;
@@ -188,6 +189,7 @@ class StressRun {
   sim::Random random_;
   sim::FaultContext context_;
   std::array<std::array<base::Vec3, base::kSensorCount>, base::kCoilCount> coil_map_;
+  loop::TickFeeds feeds_;
   std::vector<Tally> tallies_;
   std::unique_ptr<loop::LoopState> state_ = std::make_unique<loop::LoopState>();
   std::unique_ptr<loop::TickOutput> output_ = std::make_unique<loop::TickOutput>();

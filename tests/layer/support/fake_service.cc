@@ -194,7 +194,7 @@ void FakeService::OnPeriod(std::int64_t) {
     placement_changed_ = false;
   }
   if (client_ == 0) return;
-  last_beat_ns_ = server_->LastBeat_ns(client_);
+  if (const auto life = server_->Life(client_)) beats_ = life->beat.load();
   if (settings_due_) server_->Send(client_, settings_);
   settings_due_ = false;
   if (properties_ && server_->Send(client_, *properties_)) properties_.reset();

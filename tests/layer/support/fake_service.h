@@ -86,7 +86,7 @@ class FakeService : private ipc::ServerHandler {
   void SetBasePose(const protocol::BasePose& placement);
 
   Heard heard() const;
-  std::int64_t last_beat_ns() const { return last_beat_ns_; }
+  std::uint64_t beats() const { return beats_; }
 
  private:
   template <class T>
@@ -122,7 +122,7 @@ class FakeService : private ipc::ServerHandler {
   protocol::BasePose placement_;
   bool placement_changed_ = false;
   std::vector<ipc::ClientId> placed_;
-  std::atomic<std::int64_t> last_beat_ns_{0};
+  std::atomic<std::uint64_t> beats_{0};
   std::unique_ptr<ipc::StatePublisher> publisher_;
   std::unique_ptr<ipc::Server> server_;
 };
