@@ -10,6 +10,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "service/base/priority_mutex.h"
+
 namespace omni::daemon {
 
 struct FileWriter::Shared {
@@ -21,7 +23,7 @@ struct FileWriter::Shared {
   explicit Shared(Write how) : write(std::move(how)) {}
 
   void Run() {
-    std::unique_lock lock(mutex);
+    std::unique_lock<std::mutex> lock(mutex);
     while (true) {
       wake.wait(lock, [this] { return !waiting.empty() || ending; });
       if (waiting.empty()) break;
@@ -45,7 +47,7 @@ struct FileWriter::Shared {
   }
 
   const Write write;
-  std::mutex mutex;
+  base::PriorityMutex mutex;
   std::condition_variable wake;
   std::map<std::string, Job> waiting;  // by path
   std::deque<Written> written;
@@ -56,7 +58,7 @@ struct FileWriter::Shared {
 FileWriter::FileWriter(Write write) : shared_(std::make_shared<Shared>(std::move(write))) {}
 
 FileWriter::~FileWriter() {
-  std::unique_lock lock(shared_->mutex);
+  std::unique_lock<std::mutex> lock(shared_->mutex);
   shared_->ending = true;
   shared_->wake.notify_all();
   const bool done = !shared_->started || shared_->wake.wait_for(lock, kPatience, [this] { return shared_->ended; });

@@ -20,10 +20,11 @@
 #include <utility>
 
 #include <spdlog/details/os.h>
-#include <spdlog/sinks/base_sink.h>
+#include <spdlog/sinks/base_sink-inl.h>  // for another mutex than the library has it for
 #include <spdlog/spdlog.h>
 
 #include "service/base/clock.h"
+#include "service/base/priority_mutex.h"
 #include "service/base/unique_fd.h"
 #include "service/daemon/line_limit.h"
 
@@ -60,7 +61,7 @@ void Nap() noexcept {
 }
 
 // Into the pipe, in one piece.
-class PipeSink final : public spdlog::sinks::base_sink<std::mutex> {
+class PipeSink final : public spdlog::sinks::base_sink<base::PriorityMutex> {
  public:
   PipeSink(std::shared_ptr<LogQueue::State> state, bool in_colour) : state_(std::move(state)), in_colour_(in_colour) {}
 

@@ -43,6 +43,12 @@ bool ServeDevice(const RunOptions& options, const base::DeviceGeometry& device, 
   return true;
 }
 
+// The control thread ends the force of an application that has gone: only the tick goes before it. Refused: the loop's
+// own request says so.
+void RequestControlPriority(const RunOptions& options) {
+  if (options.realtime) static_cast<void>(loop::RequestFifo(loop::TickThread::Options{}.priority - 1));
+}
+
 std::uint64_t RandomInstance() {
   std::random_device random;
   return (static_cast<std::uint64_t>(random()) << 32) | random();
@@ -102,6 +108,7 @@ int RunChecked(RunOptions options, std::optional<ipc::InheritedSocket> inherited
                                    .inherited_fd = inherited ? inherited->fd.Release() : -1,
                                    .service_instance = instance,
                                    .state_fd = (*publisher)->fd(),
+                                   .on_start = [&options] { RequestControlPriority(options); },
                                    .log = [](const std::string& line) { spdlog::warn("{}", line); }},
                                   service);
   if (!server.ok()) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "service/base/priority_mutex.h"
 #include "service/config/files/app_file.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/inputs/input_settings.h"
@@ -132,7 +133,7 @@ class Service : public ipc::ServerHandler {
   std::string stopped_by_;             // emergency stop: who pressed it; empty: it is released
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
 
-  std::mutex loop_mutex_;
+  base::PriorityMutex loop_mutex_;
   loop::TickThread* loop_ = nullptr;
   const device::Transport* transport_ = nullptr;
   config::CalibrationChoice calibration_;

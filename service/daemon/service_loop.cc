@@ -45,7 +45,7 @@ void Service::Detach(const std::string& why) {
 
 void Service::CoilsToZero() noexcept {
   const auto nap = [] { std::this_thread::sleep_for(std::chrono::milliseconds(1)); };
-  std::unique_lock lock(loop_mutex_, std::defer_lock);
+  std::unique_lock<std::mutex> lock(loop_mutex_, std::defer_lock);
   for (int ms = 0; ms < kZeroWait_ms && !lock.try_lock(); ++ms) nap();
   if (!lock.owns_lock() || loop_ == nullptr) return;
   loop_->RequestStop();

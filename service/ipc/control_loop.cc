@@ -124,6 +124,7 @@ base::Status ControlLoop::Watch(int fd, std::uint64_t token) {
 }
 
 void ControlLoop::Run() {
+  if (options_.on_start) options_.on_start();
   std::array<epoll_event, 64> events;
   while (!stopping_.load(std::memory_order_acquire)) {
     const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), -1);

@@ -49,6 +49,7 @@ struct ServerOptions {
   std::uint64_t service_instance = 0;             // the one of the state memory, not 0
   int state_fd = -1;                              // StatePublisher::fd(): passed to every client; stays the caller's
   std::int64_t hello_timeout_ns = 2'000'000'000;  // a connection that stays silent longer is closed
+  std::function<void()> on_start{};               // the control thread's first call
   // Lines for people (a client refused, a call that threw); empty: standard error. Control thread only.
   std::function<void(const std::string&)> log{};
 };

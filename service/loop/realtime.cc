@@ -11,11 +11,15 @@
 
 namespace omni::loop {
 
-RealtimeStatus RequestRealtime(int priority) {
-  RealtimeStatus status;
+int RequestFifo(int priority) noexcept {
   sched_param parameters{};
   parameters.sched_priority = priority;
-  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters);
+}
+
+RealtimeStatus RequestRealtime(int priority) {
+  RealtimeStatus status;
+  const int refused = RequestFifo(priority);
   status.fifo = refused == 0;
   if (!status.fifo) {
     status.reason = std::string("SCHED_FIFO refused (") + std::strerror(refused) +

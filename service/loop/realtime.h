@@ -11,7 +11,10 @@ struct RealtimeStatus {
   std::string reason;  // what was refused and how to permit it; empty when both are granted
 };
 
-// SCHED_FIFO at `priority` (1..99) for this thread and mlockall for the process. At set-up only.
+// SCHED_FIFO at `priority` (1..99) for this thread; threads that it starts do not inherit it. 0: granted, else errno.
+int RequestFifo(int priority) noexcept;
+
+// The same, and mlockall for the process. At set-up only.
 RealtimeStatus RequestRealtime(int priority);
 
 }  // namespace omni::loop

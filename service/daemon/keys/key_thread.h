@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "service/base/priority_mutex.h"
 #include "service/daemon/keys/key_book.h"
 #include "service/daemon/keys/key_ports.h"
 
@@ -61,7 +62,7 @@ class KeyThread {
   std::array<Port, kMaxKeyDevicesOpen> open_;
   std::vector<std::string> problems_;  // one per rule, of the thread
   int wake_ = -1;                      // eventfd: the end
-  mutable std::mutex status_mutex_;
+  mutable base::PriorityMutex status_mutex_;
   std::vector<DeviceStatus> status_;
   std::thread thread_;
 };

@@ -97,7 +97,7 @@ SoftProgress SceneBuilder::Progress(std::uint64_t client) const {
 }
 
 void SceneBuilder::Run() {
-  std::unique_lock lock(mutex_);
+  std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
     wake_.wait(lock, [this] { return stop_ || !jobs_.empty() || !soft_jobs_.empty(); });
     if (stop_) return;
@@ -162,7 +162,7 @@ std::unique_ptr<const haptics::SoftBody> SceneBuilder::MakeSoftBody(const haptic
 }
 
 bool SceneBuilder::GoOn(std::uint64_t client, double done) {
-  std::unique_lock lock(mutex_);
+  std::unique_lock<std::mutex> lock(mutex_);
   while (!stop_ && !jobs_.empty()) RunJob(lock);
   if (stop_ || soft_client_ != client) return false;
   SoftProgress& progress = progress_[client];

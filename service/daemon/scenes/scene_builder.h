@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "service/base/priority_mutex.h"
 #include "service/base/unique_fd.h"
 #include "service/config/files/app_file.h"
 #include "service/haptics/scene.h"
@@ -105,7 +106,7 @@ class SceneBuilder {
   const std::uint32_t soft_tets_;
   std::optional<scene::CacheStore> cache_;  // of the thread
   bool cache_reported_ = false;
-  mutable std::mutex mutex_;
+  mutable base::PriorityMutex mutex_;
   std::condition_variable wake_;
   std::deque<SceneJob> jobs_;
   std::deque<BuiltScene> results_;

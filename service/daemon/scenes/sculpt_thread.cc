@@ -131,7 +131,7 @@ void SculptThread::Request(const SculptRequest& request, std::uint64_t owner) {
 
 // An edit may take some milliseconds: the control thread polls again a period later.
 std::optional<SculptAnswer> SculptThread::PopAnswer() {
-  const std::unique_lock lock(mutex_, std::try_to_lock);
+  const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return std::nullopt;
   if (ended_ && thread_.joinable()) thread_.join();  // it has let go of the lock for good
   if (answers_.empty()) return std::nullopt;
@@ -141,7 +141,7 @@ std::optional<SculptAnswer> SculptThread::PopAnswer() {
 }
 
 std::optional<SculptProblem> SculptThread::PopProblem() {
-  const std::unique_lock lock(mutex_, std::try_to_lock);
+  const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock() || problems_.empty()) return std::nullopt;
   SculptProblem problem = std::move(problems_.front());
   problems_.pop_front();
@@ -154,7 +154,7 @@ bool SculptThread::running() const {
 }
 
 void SculptThread::Run() {
-  std::unique_lock lock(mutex_);
+  std::unique_lock<std::mutex> lock(mutex_);
   while (!scenes_.empty()) {
     for (Sculpted& sculpted : scenes_) {
       if (sculpted.read) Poll(sculpted);

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "service/base/priority_mutex.h"
 #include "service/base/unique_fd.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene.h"
@@ -113,7 +114,7 @@ class SculptThread {
   Sculpted* Find(const haptics::Scene& scene);
   Sculpted* Choose(std::uint64_t client, std::uint64_t owner, std::string& why);
 
-  mutable std::mutex mutex_;
+  mutable base::PriorityMutex mutex_;
   std::condition_variable wake_;
   std::vector<Sculpted> scenes_;
   std::deque<Work> work_;

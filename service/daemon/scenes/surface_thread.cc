@@ -175,7 +175,7 @@ std::string SurfaceThread::problem() const {
 
 void SurfaceThread::Run() {
   auto next = std::chrono::steady_clock::now();
-  std::unique_lock lock(mutex_);
+  std::unique_lock<std::mutex> lock(mutex_);
   while (!stop_) {
     lock.unlock();
     bool goes_on = false;

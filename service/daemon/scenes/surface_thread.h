@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "service/base/priority_mutex.h"
 #include "service/haptics/live/surface_frame.h"
 #include "service/haptics/scene.h"
 #include "service/ipc/surface_publisher.h"
@@ -93,7 +94,7 @@ class SurfaceThread {
   void Run();
 
   SurfacePoller poller_;
-  mutable std::mutex mutex_;
+  mutable base::PriorityMutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false;
   std::shared_ptr<const ipc::SurfacePublisher> memory_;
