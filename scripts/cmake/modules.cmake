@@ -61,19 +61,19 @@ function(omni_precompile_test target)
   endif()
 endfunction()
 
-# omni_discover(TARGET PREFIX [VIRTUAL_TIME [EXCEPT suites...]] [PROPERTIES ...]): registers each test of a program with
-# ctest. VIRTUAL_TIME is for tests that start processes and wait for them: they run in virtual time, which a busy machine
-# does not stretch (tests/hil/time/virtual_time_main.cc). The suites of EXCEPT run in real time, alone; under a sanitizer,
-# which has to be the first library of a program, all of them do.
+# omni_discover(TARGET PREFIX [VIRTUAL_TIME [EXCEPT suites...]] [WITHOUT suite] [PROPERTIES ...]): registers each test of
+# a program with ctest. VIRTUAL_TIME is for tests that start processes and wait for them: they run in virtual time, which
+# a busy machine does not stretch (tests/hil/time/virtual_time_main.cc). The suites of EXCEPT run in real time, alone;
+# under a sanitizer, which has to be the first library of a program, all of them do. WITHOUT: only people start it.
 function(omni_discover target prefix)
-  cmake_parse_arguments(ARG "VIRTUAL_TIME" "" "EXCEPT;PROPERTIES" ${ARGN})
+  cmake_parse_arguments(ARG "VIRTUAL_TIME" "WITHOUT" "EXCEPT;PROPERTIES" ${ARGN})
   set(real "*")
   if(ARG_VIRTUAL_TIME AND NOT OMNI_SANITIZE)
     list(TRANSFORM ARG_EXCEPT APPEND ".*" OUTPUT_VARIABLE real)
     list(JOIN real ":" real)
     set_target_properties(${target} PROPERTIES CROSSCOMPILING_EMULATOR ${CMAKE_BINARY_DIR}/tests/omni_virtual_time)
     add_dependencies(${target} omni_virtual_time)
-    gtest_discover_tests(${target} TEST_PREFIX ${prefix}. DISCOVERY_TIMEOUT 60 TEST_FILTER "-${real}"
+    gtest_discover_tests(${target} TEST_PREFIX ${prefix}. DISCOVERY_TIMEOUT 60 TEST_FILTER "-${real}:${ARG_WITHOUT}.*"
                          TEST_LIST ${target}_virtual PROPERTIES ${ARG_PROPERTIES})
     set_target_properties(${target} PROPERTIES CROSSCOMPILING_EMULATOR "")
   endif()
@@ -84,16 +84,17 @@ function(omni_discover target prefix)
     list(APPEND ARG_PROPERTIES ENVIRONMENT TSAN_OPTIONS=atexit_sleep_ms=0)
   endif()
   if(real)
-    gtest_discover_tests(${target} TEST_PREFIX ${prefix}. DISCOVERY_TIMEOUT 60 TEST_FILTER "${real}"
+    gtest_discover_tests(${target} TEST_PREFIX ${prefix}. DISCOVERY_TIMEOUT 60 TEST_FILTER "${real}-${ARG_WITHOUT}.*"
                          PROPERTIES ${ARG_PROPERTIES})
   endif()
 endfunction()
 
-# omni_test(NAME [FOLDER f] [DEPS targets...] [LABELS ...] [TIMEOUT s] [REAL_TIME] [VIRTUAL_TIME [EXCEPT suites...]]):
-# test_NAME from tests/NAME/*.cc, or tests/f/*.cc. REAL_TIME: needs the time that it takes on a quiet machine without sanitizers
-# (scripts/check leaves it out, as what starts real processes). VIRTUAL_TIME: as above.
+# omni_test(NAME [FOLDER f] [DEPS targets...] [LABELS ...] [TIMEOUT s] [REAL_TIME] [VIRTUAL_TIME [EXCEPT suites...]]
+# [WITHOUT suite]): test_NAME from tests/NAME/*.cc, or tests/f/*.cc. REAL_TIME: needs the time that it takes on a quiet
+# machine without sanitizers (scripts/check leaves it out, as what starts real processes). VIRTUAL_TIME, WITHOUT: as
+# above.
 function(omni_test name)
-  cmake_parse_arguments(ARG "REAL_TIME;VIRTUAL_TIME" "TIMEOUT;FOLDER" "DEPS;LABELS;EXCEPT" ${ARGN})
+  cmake_parse_arguments(ARG "REAL_TIME;VIRTUAL_TIME" "TIMEOUT;FOLDER;WITHOUT" "DEPS;LABELS;EXCEPT" ${ARGN})
   if(NOT ARG_FOLDER)
     set(ARG_FOLDER ${name})
   endif()
@@ -123,6 +124,9 @@ function(omni_test name)
   set(time)
   if(ARG_VIRTUAL_TIME)
     set(time VIRTUAL_TIME EXCEPT ${ARG_EXCEPT})
+  endif()
+  if(ARG_WITHOUT)
+    list(APPEND time WITHOUT ${ARG_WITHOUT})
   endif()
   omni_discover(test_${name} ${name} ${time} PROPERTIES ${properties})
 endfunction()
