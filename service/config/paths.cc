@@ -55,6 +55,13 @@ std::string UserAlignmentFile() { return InUserFolder("alignments.toml"); }
 
 std::string UserInputsFile() { return InUserFolder("inputs.toml"); }
 
+std::string UserStopFile() {
+  constexpr const char* kName = "/omni/emergency_stop.toml";
+  if (const std::string folder = AbsoluteVariable("XDG_STATE_HOME"); !folder.empty()) return folder + kName;
+  if (const std::string home = AbsoluteVariable("HOME"); !home.empty()) return home + "/.local/state" + kName;
+  return {};
+}
+
 std::string CacheFolder() {
   if (const std::string folder = AbsoluteVariable("XDG_CACHE_HOME"); !folder.empty()) return folder + "/omni";
   if (const std::string home = AbsoluteVariable("HOME"); !home.empty()) return home + "/.cache/omni";

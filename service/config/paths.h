@@ -30,6 +30,10 @@ std::string UserAlignmentFile();
 // The user's inputs: $XDG_CONFIG_HOME/omni/inputs.toml, else below ~/.config; empty: no home.
 std::string UserInputsFile();
 
+// The latch of an emergency stop: $XDG_STATE_HOME/omni/emergency_stop.toml, else below ~/.local/state; empty: no home.
+// Not in $XDG_RUNTIME_DIR, which a logout empties.
+std::string UserStopFile();
+
 // What can be computed again: $XDG_CACHE_HOME/omni, else ~/.cache/omni; empty: no home.
 std::string CacheFolder();
 

@@ -173,6 +173,14 @@ std::string WriteProblem(const std::string& path, int error) {
   return path + ": cannot be written: " + CauseAndRemedy(path, error);
 }
 
+Status RemoveWholeFile(const std::string& path) {
+  if (::unlink(path.c_str()) != 0 && errno != ENOENT && errno != ENOTDIR) {
+    return Error{path + ": cannot be removed: " + CauseAndRemedy(path, errno)};
+  }
+  SyncFolder(FolderOf(path));
+  return Ok{};
+}
+
 Status WriteWholeFile(const std::string& path, std::string_view content, const WholeFileOptions& options) {
   const int error = PutWholeFile(path, {content}, options);
   if (error != 0) return Error{WriteProblem(path, error)};

@@ -35,6 +35,9 @@ int TryWholeFile(const std::string& path, const WholeFileOptions& options = {});
 // "PATH: cannot be written: no space left on its disk; free some and try again"; every cause with its remedy.
 std::string WriteProblem(const std::string& path, int error);
 
+// So that it is still gone after a power cut. A link is removed itself, not its target; a path with nothing is fine.
+Status RemoveWholeFile(const std::string& path);
+
 Status WriteWholeFile(const std::string& path, std::string_view content, const WholeFileOptions& options = {});
 
 }  // namespace omni::base
