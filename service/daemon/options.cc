@@ -13,6 +13,8 @@ void AddOptions(console::Program& omnid, RunOptions& options) {
             "file of omni calibrate (default: $XDG_CONFIG_HOME/omni/calibration.toml, if it is there)");
   omnid.Add("--alignments", options.alignment_path,
             "file of omni align (default: $XDG_CONFIG_HOME/omni/alignments.toml)");
+  omnid.Add("--stop-file", options.stop_path,
+            "file that keeps an emergency stop (default: $XDG_STATE_HOME/omni/emergency_stop.toml)");
   omnid.Add("--socket", options.socket_path, "control socket (default: $OMNI_SOCKET, else below $XDG_RUNTIME_DIR)");
   omnid.Add("--record", options.record_path, "CSV file with one line per tick");
   omnid.Add("--record-device", options.record_device_path, "file of all scans and commands, for --device replay:FILE");

@@ -103,6 +103,7 @@ int RunChecked(RunOptions options, std::optional<ipc::InheritedSocket> inherited
        .cache_folder = config::CacheFolder(),
        .hand = hand,
        .alignment_path = options.alignment_path.empty() ? config::UserAlignmentFile() : options.alignment_path,
+       .stop_path = options.stop_path.empty() ? config::UserStopFile() : options.stop_path,
        .on_aligned = [&sink](bool aligned) { sink.SetAligned(aligned); }});
   auto server = ipc::Server::Open({.socket_path = options.socket_path,
                                    .inherited_fd = inherited ? inherited->fd.Release() : -1,

@@ -11,6 +11,7 @@ struct RunOptions {
   std::string device_file;
   std::string calibration_path;  // empty: the user's own, if it is there
   std::string alignment_path;    // empty: the user's own
+  std::string stop_path;         // empty: the user's own
   std::string socket_path;
   std::string record_path;         // ticks, as CSV
   std::string record_device_path;  // scans and commands, for --device replay:FILE

@@ -52,6 +52,7 @@ Service::Service(ServiceOptions options)
         Send(id, reply);
       }),
       base_poses_(options_.alignment_path, base_pose_writer_.write()),
+      stop_(options_.stop_path),
       busy_ns_(start_ns_),
       calibration_(options_.calibration),
       surfaces_(
@@ -61,6 +62,7 @@ Service::Service(ServiceOptions options)
           }) {
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
   if (!base_poses_.problem().empty()) spdlog::warn("{}", base_poses_.problem());
+  if (stop_.on()) spdlog::warn("{}", stop_.Problem());
   if (options_.inputs.devices.empty()) return;
   keys_ =
       std::make_unique<KeyThread>(KeyThreadOptions{.devices = options_.inputs.devices, .codes = options_.inputs.slots},
@@ -161,11 +163,12 @@ struct Service::RequestHandler {
     const auto found = service.clients_.find(id);
     const std::string who = found == service.clients_.end() ? "a client" : found->second.info.application;
     const bool on = stop.on != 0;
-    if (on == !service.stopped_by_.empty()) return;
-    service.stopped_by_ = on ? who : "";
+    if (on == service.stop_.on()) return;
+    if (on) service.CloseGate();
+    on ? service.stop_.Press(who) : service.stop_.Release();
     service.vibration_.Stop();
-    spdlog::warn("emergency stop: {} by {}", on ? "pressed" : "released", who);
     Commit();
+    spdlog::warn("emergency stop: {} by {}", on ? "pressed" : "released", who);
   }
   void operator()(const protocol::SurfaceRequest& request) const {
     if (service.clients_.count(id) != 0) service.surfaces_.Request(id, request.wanted != 0);
@@ -232,8 +235,9 @@ bool Service::Aligned() const {
 }
 
 void Service::OnPeriod(std::int64_t now_ns) {
-  // An emergency stop would be forgotten at the end.
-  if (!clients_.empty() || !stopped_by_.empty()) busy_ns_.store(now_ns);
+  // Who looks sees why there is no force, and the disk may have failed to keep the stop.
+  if (!clients_.empty() || stop_.on()) busy_ns_.store(now_ns);
+  if (const std::string news = stop_.Poll(now_ns); !news.empty()) spdlog::warn("emergency stop: {}", news);
   HandleBuiltScenes();
   HandleSoftBodies();
   HandleSculptResults();
@@ -369,11 +373,9 @@ std::string Service::StatusJson() {
   StatusInput input{.version = options_.version,
                     .instance = options_.instance,
                     .uptime_s = static_cast<double>(base::MonotonicNow_ns() - start_ns_) * 1e-9,
-                    .stopped_by = stopped_by_,
+                    .stop = stop_.state(),
                     .problems = problems_};
-  if (!stopped_by_.empty())
-    input.problems.push_back("emergency stop, by " + stopped_by_ +
-                             ": no force until it is released (omni stop --release)");
+  if (const std::string problem = stop_.Problem(); !problem.empty()) input.problems.push_back(problem);
   for (const auto& [id, client] : clients_) {
     const std::shared_ptr<const BuiltScene> scene = SceneOf(id);
     input.clients.push_back({.id = id,

@@ -16,6 +16,7 @@
 #include "service/config/inputs/input_settings.h"
 #include "service/daemon/clients/base_pose_writer.h"
 #include "service/daemon/clients/base_poses.h"
+#include "service/daemon/clients/emergency_stop.h"
 #include "service/daemon/clients/force_clients.h"
 #include "service/daemon/clients/owner.h"
 #include "service/daemon/clients/vibration.h"
@@ -42,6 +43,7 @@ struct ServiceOptions {
   std::uint32_t soft_tets = scene::kSoftTets;
   std::string hand = "auto";               // "left", "right": of applications whose file names none
   std::string alignment_path;              // where bases stand in headsets' spaces; empty: nothing is stored
+  std::string stop_path;                   // latch of an emergency stop; empty: none is kept
   std::function<void(bool)> on_aligned{};  // control thread: whether the owner's headset has a measured placement
 };
 
@@ -129,8 +131,8 @@ class Service : public ipc::ServerHandler {
   ForceClients force_;
   BasePoseWriter base_pose_writer_;
   BasePoses base_poses_;
+  EmergencyStop stop_;
   std::atomic<std::int64_t> busy_ns_;  // newest period with a client, or with forces stopped
-  std::string stopped_by_;             // emergency stop: who pressed it; empty: it is released
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
 
   base::PriorityMutex loop_mutex_;

@@ -38,7 +38,7 @@ void Service::WriteCommands(std::int64_t now_ns) {
   }
   force_.SetOwner(owner);
   HandOverLife(owner);
-  const bool open = owner != 0 && stopped_by_.empty() && (life_ != nullptr || server_ == nullptr);
+  const bool open = owner != 0 && !stop_.on() && (life_ != nullptr || server_ == nullptr);
   commands_ = {.t_ns = now_ns,
                .gate = open ? loop::ForceGate::kOpen : loop::ForceGate::kClosed,
                .owner = {.page = life_.get(), .number = life_number_},

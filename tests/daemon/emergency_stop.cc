@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <thread>
 
@@ -148,6 +149,106 @@ TEST_F(EmergencyStopTest, HoldsForEveryApplication) {
   EXPECT_TRUE(application_->SendSession(protocol::SessionState::kFocused));
   ASSERT_TRUE(Until([&] { return Status()["scene"]["triangles"] == 1608; }));
   EXPECT_TRUE(ZeroForAWhile());
+}
+
+TEST_F(EmergencyStopTest, SecondPressByAnotherClientChangesNothing) {
+  Send(*monitor_, true);
+  ASSERT_TRUE(Until([&] { return Status()["stopped"] == "a page"; }));
+  const nlohmann::json first = Status()["stop"];
+  monitor_ = NewClient(protocol::ClientRole::kMonitor, "another page");
+  Join(monitor_);
+  Send(*monitor_, true);
+  EXPECT_EQ(Status()["stop"], first);
+}
+
+class EmergencyStopLatch : public testing::Test {
+ protected:
+  using Latch = EmergencyStop::Latch;
+
+  // A second passes with each poll.
+  bool PollsUntil(EmergencyStop& stop, const std::function<bool()>& holds) {
+    for (int i = 0; i < 2000; ++i) {
+      news_ += stop.Poll(now_ns_ += 1'000'000'000);
+      if (holds()) return true;
+      std::this_thread::sleep_for(5ms);
+    }
+    return false;
+  }
+  bool Settles(EmergencyStop& stop, Latch latch) {
+    return PollsUntil(stop, [&] { return stop.state().latch == latch; });
+  }
+
+  test::TempFolder folder_;
+  const std::string path_ = folder_.Path("state/emergency_stop.toml");
+  std::int64_t now_ns_ = base::MonotonicNow_ns();
+  std::string news_;
+};
+
+TEST_F(EmergencyStopLatch, NextServiceKnowsWhoPressedItAndWhen) {
+  std::string at;
+  {
+    EmergencyStop stop(path_);
+    EXPECT_FALSE(stop.on());
+    stop.Press("a page");
+    EXPECT_TRUE(stop.on());
+    EXPECT_EQ(stop.state().latch, Latch::kPending);
+    ASSERT_TRUE(Settles(stop, Latch::kKept));
+    at = stop.state().at;
+  }
+  EmergencyStop stop(path_);
+  EXPECT_TRUE(stop.on());
+  EXPECT_EQ(stop.state().by, "a page");
+  EXPECT_EQ(stop.state().at, at);
+  stop.Release();
+  EXPECT_FALSE(stop.on());
+  ASSERT_TRUE(Settles(stop, Latch::kNone));
+  EXPECT_FALSE(EmergencyStop(path_).on());
+  EXPECT_EQ(stop.Problem(), "");
+}
+
+// By hand, or by another omnid of this person.
+TEST_F(EmergencyStopLatch, RemovedLatchIsWrittenAgain) {
+  EmergencyStop stop(path_);
+  stop.Press("a page");
+  ASSERT_TRUE(Settles(stop, Latch::kKept));
+  ASSERT_TRUE(std::filesystem::remove(path_));
+  EXPECT_TRUE(PollsUntil(stop, [&] { return std::filesystem::exists(path_); }));
+  EXPECT_EQ(news_, "");
+}
+
+TEST_F(EmergencyStopLatch, FailedLatchIsTriedAgainAndBothAreReported) {
+  const std::string blocking = folder_.Write("state", "a file where the folder belongs");
+  EmergencyStop stop(path_);
+  stop.Press("a page");
+  ASSERT_TRUE(Settles(stop, Latch::kFailed));
+  EXPECT_TRUE(stop.on());
+  EXPECT_EQ(news_, stop.state().problem);
+  EXPECT_NE(stop.Problem().find("forgotten when omnid ends: " + path_), std::string::npos) << stop.Problem();
+  std::filesystem::remove(blocking);
+  ASSERT_TRUE(Settles(stop, Latch::kKept));
+  EXPECT_NE(news_.find("kept in " + path_), std::string::npos) << news_;
+  EXPECT_EQ(stop.Problem().find("forgotten"), std::string::npos);
+}
+
+TEST_F(EmergencyStopLatch, LatchThatCannotBeRemovedIsReportedAndForcesReturn) {
+  std::filesystem::create_directories(path_);
+  EmergencyStop stop(path_);
+  ASSERT_TRUE(stop.on());
+  stop.Release();
+  EXPECT_FALSE(stop.on());
+  ASSERT_TRUE(Settles(stop, Latch::kFailed));
+  EXPECT_NE(stop.Problem().find("the next omnid starts stopped: " + path_), std::string::npos) << stop.Problem();
+}
+
+TEST_F(EmergencyStopLatch, QuickPressAfterReleaseKeepsTheStop) {
+  EmergencyStop stop(path_);
+  for (int i = 0; i < 50; ++i) {
+    stop.Press("a page");
+    stop.Release();
+  }
+  stop.Press("a page");
+  ASSERT_TRUE(Settles(stop, Latch::kKept));
+  EXPECT_TRUE(EmergencyStop(path_).on());
 }
 
 TEST(EmergencyStopMessage, ApplicationsMayNotSendIt) {

@@ -206,6 +206,20 @@ json Alignments(const config::AlignmentFile& file) {
   return {{"placement", config::PolicyName(file.uncalibrated)}, {"stored", rows}};
 }
 
+// Null: forces are not stopped, and no latch is being removed.
+json Stop(const EmergencyStop::State& stop) {
+  using Latch = EmergencyStop::Latch;
+  if (!stop.on && stop.latch == Latch::kNone) return nullptr;
+  constexpr const char* kNames[] = {"none", "pending", "kept", "failed"};
+  return {{"on", stop.on},
+          {"by", stop.by},
+          {"at", stop.at},
+          {"from_before", stop.from_before},
+          {"latch", kNames[static_cast<std::size_t>(stop.latch)]},
+          {"file", TextOrNull(stop.file)},
+          {"problem", TextOrNull(stop.problem)}};
+}
+
 }  // namespace
 
 std::string WriteStatus(const StatusInput& input) {
@@ -213,7 +227,8 @@ std::string WriteStatus(const StatusInput& input) {
       {"service",
        {{"version", input.version}, {"pid", getpid()}, {"uptime_s", input.uptime_s}, {"instance", input.instance}}},
       {"device", Device(input)},
-      {"stopped", TextOrNull(input.stopped_by)},
+      {"stopped", input.stop.on ? json(input.stop.by) : json()},
+      {"stop", Stop(input.stop)},
       {"calibration", Calibration(input.calibration)},
       {"calibration_refused", TextOrNull(input.calibration.problem)},
       {"calibration_misfit", TextOrNull(input.misfit)},

@@ -8,6 +8,7 @@
 
 #include "service/config/files/alignment_file.h"
 #include "service/config/files/calibration_file.h"
+#include "service/daemon/clients/emergency_stop.h"
 #include "service/daemon/devices/room_finding.h"
 #include "service/daemon/keys/key_thread.h"
 #include "service/daemon/scenes/scene_builder.h"
@@ -35,7 +36,7 @@ struct StatusInput {
   std::string version;
   std::uint64_t instance = 0;
   double uptime_s = 0;
-  std::string stopped_by;  // emergency stop; empty: released
+  EmergencyStop::State stop;
   std::vector<std::string> problems;
   config::CalibrationChoice calibration;
   std::string misfit;             // Service::SetMisfit

@@ -35,7 +35,7 @@ base::Result<std::unique_ptr<TrialService>> TrialService::Start() {
   const std::string& in = folder->path();
   std::vector<std::string> words = {"--device",    "twin",         "--socket",     in + kSocketName,
                                     "--twin-hand", in + kHandName, "--alignments", in + "/alignments.toml",
-                                    "--log-level", "warn"};
+                                    "--log-level", "warn",         "--stop-file",  in + "/emergency_stop.toml"};
   if (const std::string calibration = TwinCalibration(); !calibration.empty()) {
     words.insert(words.end(), {"--calibration", calibration});
   }

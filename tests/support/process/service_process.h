@@ -74,7 +74,7 @@ class ServiceProcess {
       words.insert(words.begin(), {"/bin/sh", "-c", "exec \"$@\" 2>\"$0\"", log_path});
     }
     test::Environment environment{"OMNI_SOCKET=" + socket_path(), "XDG_CONFIG_HOME=" + folder_.Path("config"),
-                                  "XDG_CACHE_HOME=" + folder_.Path("cache")};
+                                  "XDG_CACHE_HOME=" + folder_.Path("cache"), "XDG_STATE_HOME=" + state_folder()};
     environment.insert(environment.end(), more.begin(), more.end());
     auto started = test::ChildProcess::Start(words, environment);
     if (started.ok()) process_ = std::make_unique<test::ChildProcess>(std::move(*started));
@@ -92,6 +92,8 @@ class ServiceProcess {
   std::string socket_path() const { return folder_.Path("run/omnid.sock"); }
   std::string truth_path() const { return folder_.Path("truth.csv"); }
   std::string hand_path() const { return folder_.Path("hand.json"); }
+  std::string state_folder() const { return folder_.Path("state"); }
+  std::string latch_path() const { return state_folder() + "/omni/emergency_stop.toml"; }
   std::string cache_folder() const { return folder_.Path("cache/omni"); }
 
   // The twin's own recording, once its process has finished writing: it outlives omnid briefly.
