@@ -63,19 +63,21 @@ class SocketUnit {
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
-    const std::string home = "XDG_CONFIG_HOME=" + folder_.Path(""), cache = "XDG_CACHE_HOME=" + folder_.Path("");
+    const std::string home = "XDG_CONFIG_HOME=" + folder_.Path(""), cache = "XDG_CACHE_HOME=" + folder_.Path(""),
+                      state = "XDG_STATE_HOME=" + folder_.Path("");
     const std::string log = folder_.Path("log"), fds = "LISTEN_FDS=" + std::to_string(count);
     pid_ = ::fork();
     if (pid_ != 0) return;
     char pid[32];
     std::snprintf(pid, sizeof(pid), "LISTEN_PID=%d", ::getpid());
-    const char* const environment[] = {home.c_str(), cache.c_str(), fds.c_str(), pid, nullptr};
+    const char* const environment[] = {home.c_str(), cache.c_str(), state.c_str(), fds.c_str(), pid, nullptr};
     ::dup2(::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600), STDERR_FILENO);
     ::dup2(socket_.get(), 3);
     ::execve(arguments[0], arguments.data(), const_cast<char* const*>(environment));
     ::_exit(127);
   }
 
+  void Kill() const { ::kill(pid_, SIGKILL); }
   int Wait() {
     int status = 0;
     EXPECT_EQ(::waitpid(pid_, &status, 0), pid_);
@@ -155,6 +157,30 @@ TEST(Activation, AnEmergencyStopOutlivesItsClients) {
   SleepMs(800);
   ASSERT_EQ(RunOmni({"status", "--socket", unit.path()}).status, 0) << unit.log();
   ASSERT_EQ(RunOmni({"stop", "--release", "--socket", unit.path()}).status, 0);
+  EXPECT_EQ(unit.Wait(), 0);
+}
+
+TEST(Activation, AnEmergencyStopOutlivesACrash) {
+  SocketUnit unit;
+  const auto is_stopped = [&] {
+    TestApplication app(unit.path(), "test");
+    EXPECT_TRUE(app.Run(10'000, 5, [&] { return app.connection().connected(); })) << unit.log();
+    const Outcome said = RunOmni({"status", "--json", "--socket", unit.path()});
+    return !nlohmann::json::parse(said.out)["stopped"].is_null();
+  };
+  unit.Start({});
+  EXPECT_FALSE(is_stopped());
+  const Outcome said = RunOmni({"stop", "--socket", unit.path()});
+  EXPECT_EQ(said.status, 0) << said.err;
+  unit.Kill();
+  EXPECT_EQ(unit.Wait(), 128 + SIGKILL);
+  unit.Start({"--exit-idle", "0.3"});
+  EXPECT_TRUE(is_stopped());
+  EXPECT_NE(unit.log().find("before this omnid started"), std::string::npos) << unit.log();
+  EXPECT_EQ(RunOmni({"stop", "--release", "--socket", unit.path()}).status, 0);
+  EXPECT_EQ(unit.Wait(), 0);
+  unit.Start({"--exit-idle", "0.3"});
+  EXPECT_FALSE(is_stopped());
   EXPECT_EQ(unit.Wait(), 0);
 }
 
