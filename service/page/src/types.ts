@@ -110,6 +110,7 @@ export interface Status {
   };
   race?: { laps: number; hits: number; speed_m_s: number; last_lap_s: number; best_lap_s: number } | null;
   stopped?: string | null; // by whom the emergency stop is on
+  stop?: { at?: string; problem?: string | null } | null; // since when, and why it does not outlive omnid
   problems?: string[];
 }
 

@@ -27,6 +27,7 @@ constexpr DiagnosisEntry kDiagnoses[] = {
     {"Steam", CheckSteam},
     {"socket folder", CheckSocketFolder},
     {"service", LookForService},
+    {"emergency stop", CheckStop},
     {"device", LookForDevice},
     {"calibration", CheckCalibration},
     {"room", CheckRoom},
@@ -58,6 +59,7 @@ Surroundings SurroundingsOfThisProcess(const std::string& socket_path) {
     surroundings.environment.emplace(text.substr(0, equals), text.substr(equals + 1));
   }
   surroundings.socket_path = socket_path.empty() ? client::DefaultSocketPath() : socket_path;
+  surroundings.stop_file = config::UserStopFile();
   surroundings.app_folders = config::AppFolders();
   surroundings.scenes_folder = config::ScenesFolder();
   surroundings.share = config::ShareFolder();

@@ -42,6 +42,7 @@ struct Surroundings {
   std::map<std::string, std::string> environment;
   std::filesystem::path root = "/";  // system folders are resolved below it
   std::string socket_path;
+  std::string stop_file;                 // latch of an emergency stop
   std::vector<std::string> app_folders;  // of application files, in order of precedence
   std::string scenes_folder;
   std::filesystem::path share;  // beside this program: ../share, of a build tree or an installation; empty: unknown
@@ -70,6 +71,7 @@ Finding CheckEnabledLayers(const Surroundings& surroundings);
 Finding LookForRuntime(const Surroundings& surroundings);
 Finding CheckSocketFolder(const Surroundings& surroundings);
 Finding LookForService(const Surroundings& surroundings);
+Finding CheckStop(const Surroundings& surroundings);
 Finding LookForDevice(const Surroundings& surroundings);
 Finding CheckCalibration(const Surroundings& surroundings);
 Finding CheckRoom(const Surroundings& surroundings);

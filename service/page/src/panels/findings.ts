@@ -64,10 +64,13 @@ function ofScene(state: PageState): Finding[] {
 function ofStop(status: Status, state: PageState): Finding[] {
   if (typeof status.stopped !== 'string') return [];
   const by = status.stopped === '' ? '' : ` (${status.stopped})`;
+  const since = typeof status.stop?.at === 'string' ? ` since ${status.stop.at}` : '';
   const fix = state.hello.control
     ? 'When it is safe, press “Release the stop” at the top.'
     : 'A page of omni monitor --control or omni try can release it.';
-  return [{ key: 'stopped', severity: 'error', what: `The emergency stop is on${by}: no force.`, fix }];
+  const problem = status.stop?.problem;
+  const ends = typeof problem === 'string' ? ` It is forgotten when omnid ends: ${sentence(problem)}` : '';
+  return [{ key: 'stopped', severity: 'error', what: `The emergency stop is on${by}${since}: no force.${ends}`, fix }];
 }
 
 function ofDevice(state: PageState, status: Status | null, bits: number): Finding[] {
