@@ -14,6 +14,7 @@ inline constexpr std::size_t kSteelMax = 16;        // pieces
 inline constexpr std::size_t kOtherMagnetsMax = 4;  // beside the pen's
 inline constexpr std::size_t kFieldStepsMax = 16;
 inline constexpr std::size_t kSensorFaultsMax = 8;
+inline constexpr std::size_t kPensMax = 8;
 
 enum class SteelShape : std::uint8_t { kPlane, kBall, kBar };
 
@@ -33,6 +34,12 @@ struct OtherMagnet {
   Vec3 moment_Am2;
   Vec3 from_base_m, to_base_m;
   double leaves_s = 0, arrives_s = 0;  // leaves_s < arrives_s, or equal: it stands at `to` from then on
+};
+
+// Another pen is used from then on: of the same shape, with so much of the moment.
+struct OtherPen {
+  double moment_scale = 1;
+  double from_s = 0;
 };
 
 // The ambient field changes by so much at an instant, or evenly over `over_s`.
@@ -59,6 +66,7 @@ struct SensorFault {
 struct RoomEffects {
   std::vector<Steel> steel;            // at most kSteelMax
   std::vector<OtherMagnet> magnets;    // at most kOtherMagnetsMax
+  std::vector<OtherPen> pens;          // at most kPensMax; the last that has begun counts
   std::vector<FieldStep> steps;        // at most kFieldStepsMax
   std::vector<SensorFault> faults;     // at most kSensorFaultsMax
   double turn_rate_rad_s = 0;          // of the base about its z axis, in the earth's field, from turn_from_s ...

@@ -119,6 +119,9 @@ from_s = 3
 [[magnets]]
 moment_Am2 = [0, 0, 0.1]
 to_base_m = [0.13, 0, 0]
+[[pens]]
+moment_scale = 0.9
+from_s = 4
 [[field_steps]]
 change_base_T = [2e-5, 0, 0]
 at_s = 10
@@ -143,6 +146,8 @@ TEST(ConfigTwin, ReadsARoom) {
   EXPECT_DOUBLE_EQ(room.steel[1].from_s, 3);
   ASSERT_EQ(room.magnets.size(), 1U);
   EXPECT_EQ(room.magnets[0].from_base_m, room.magnets[0].to_base_m) << "at rest";
+  ASSERT_EQ(room.pens.size(), 1U);
+  EXPECT_DOUBLE_EQ(room.pens[0].moment_scale, 0.9);
   ASSERT_EQ(room.steps.size(), 1U);
   EXPECT_DOUBLE_EQ(room.steps[0].change_base_T.x, 2e-5);
   ASSERT_EQ(room.faults.size(), 1U);

@@ -102,6 +102,10 @@ constexpr NumberKey<base::OtherMagnet> kMagnetKeys[] = {
     {"leaves_s", &base::OtherMagnet::leaves_s, kTime_s, kOptional},
     {"arrives_s", &base::OtherMagnet::arrives_s, kTime_s, kOptional},
 };
+constexpr NumberKey<base::OtherPen> kOtherPenKeys[] = {
+    {"moment_scale", &base::OtherPen::moment_scale, {0.1, 10}},
+    {"from_s", &base::OtherPen::from_s, kTime_s, kOptional},
+};
 constexpr NumberKey<base::FieldStep> kStepKeys[] = {
     {"at_s", &base::FieldStep::at_s, kTime_s},
     {"over_s", &base::FieldStep::over_s, kTime_s, kOptional},
@@ -223,6 +227,7 @@ void ReadRoom(TwinText& text, TruthEffects& effects) {
            [&](TableReader& reader, base::Steel& steel) { ReadSteel(text.problem, reader, steel); });
   ReadList(text, "magnets", base::kOtherMagnetsMax, kMagnetKeys, room.magnets,
            [&](TableReader& reader, base::OtherMagnet& magnet) { ReadMagnet(text.problem, reader, magnet); });
+  ReadList(text, "pens", base::kPensMax, kOtherPenKeys, room.pens, [](TableReader&, base::OtherPen&) {});
   ReadList(text, "field_steps", base::kFieldStepsMax, kStepKeys, room.steps,
            [&](TableReader& reader, base::FieldStep& step) {
              step.change_base_T = reader.Vector("change_base_T", kBackground_T);

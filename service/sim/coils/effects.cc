@@ -128,6 +128,11 @@ Surroundings Environment::At(double t_s) const noexcept {
     now.background_base_T += Passed(t_s, step.at_s, step.at_s + step.over_s) * step.change_base_T;
   }
   now.magnet_scale = 1 + effects_.magnet_per_K * effects_.magnet_warming_K * ramp;
+  double pen_scale = 1;
+  for (const base::OtherPen& pen : room.pens) {
+    if (t_s >= pen.from_s) pen_scale = pen.moment_scale;
+  }
+  now.magnet_scale *= pen_scale;
   now.sensor_warming_K = effects_.sensor_warming_K * ramp;
   for (std::size_t j = 0; j < room.steel.size(); ++j) {
     if (t_s >= room.steel[j].from_s) now.steel_mask |= 1U << j;

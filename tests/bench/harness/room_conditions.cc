@@ -21,6 +21,8 @@ using base::TruthParameters;
 using sim::Random;
 
 constexpr double kFirst_s = 5;  // of the first later event
+// Until another pen has to be tracked: one of nearly the same moment, and one of another size or material.
+constexpr double kNearPen_s = 2, kFarPen_s = 6;
 
 base::Vec3 Direction(Random& draw) {
   const base::Vec3 v = draw.NormalVector(1);
@@ -106,6 +108,13 @@ void FiveStop(TruthParameters& truth, Random& draw) {
   }
 }
 
+// Another pen than the one of the calibration, with so much of its moment: N42 has 11 % less than N52.
+Happening Pen(double moment_scale) {
+  return [moment_scale](TruthParameters& truth, Random&) {
+    truth.effects.room.pens.push_back({.moment_scale = moment_scale});
+  };
+}
+
 // A hull or core that is wrong by so much, and otherwise nominal.
 std::function<void(TruthParameters&)> Wrong(double base::ImperfectionSizes::*size, double value) {
   return [size, value](TruthParameters& truth) {
@@ -157,6 +166,12 @@ std::vector<RoomCondition> RoomConditions() {
       {"mains-5uT", false, {}, [](TruthParameters& truth, Random&) { truth.effects.room.mains_T = 5e-6; }},
       {"hull-0.3", false, Wrong(&Sizes::hull_radius_m, 3e-4), {}},
       {"core-0.5", false, Wrong(&Sizes::core_offset_m, 2.9e-4), {}},
+      {.name = "pen-0.75", .later = Pen(0.75), .settle_s = kFarPen_s},
+      {.name = "pen-0.90", .later = Pen(0.90), .settle_s = kNearPen_s},
+      {.name = "pen-0.95", .later = Pen(0.95), .settle_s = kNearPen_s},
+      {.name = "pen-1.05", .later = Pen(1.05), .settle_s = kNearPen_s},
+      {.name = "pen-1.10", .later = Pen(1.10), .settle_s = kNearPen_s},
+      {.name = "pen-1.25", .later = Pen(1.25), .settle_s = kFarPen_s},
   };
 }
 

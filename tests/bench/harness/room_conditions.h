@@ -27,6 +27,7 @@ struct RoomCondition {
   Happening later;
   std::vector<double> events_s = {};  // from which it has to recover
   bool as_drawn = false;              // never calibrated
+  double settle_s = 0;                // of a run that is not judged by `tracked_fraction`; all of it is for `silent`
 };
 
 std::vector<RoomCondition> RoomConditions();

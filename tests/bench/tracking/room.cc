@@ -41,7 +41,8 @@ constexpr double kPushed_N = 0.02;     // a larger one can be felt
 constexpr double kBox_m = 0.12, kBoxTop_m = 0.03;
 
 struct Tally {
-  std::size_t ticks = 0, tracked = 0, coarse = 0, silent = 0, refused = 0;
+  std::size_t ticks = 0, tracked = 0, coarse = 0, refused = 0;
+  std::size_t poses = 0, silent = 0;       // also before a condition's settle_s
   std::size_t pushed_silent = 0;           // silent, and a force was requested
   std::vector<double> error_mm, sigma_mm;  // of tracked poses
   std::vector<double> coarse_mm;           // error of coarse poses
@@ -50,8 +51,8 @@ struct Tally {
   double worst_rig_mm = 0;                                 // mean over all poses of a base
 
   void Add(const Tally& other) {
-    ticks += other.ticks, tracked += other.tracked, coarse += other.coarse, silent += other.silent;
-    refused += other.refused, pushed_silent += other.pushed_silent;
+    ticks += other.ticks, tracked += other.tracked, coarse += other.coarse, refused += other.refused;
+    poses += other.poses, silent += other.silent, pushed_silent += other.pushed_silent;
     Append(other.error_mm, error_mm);
     Append(other.sigma_mm, sigma_mm);
     Append(other.coarse_mm, coarse_mm);
@@ -65,19 +66,24 @@ struct Tally {
 // One run against its truth.
 class Judge {
  public:
+  explicit Judge(double settle_s) : settle_s_(std::max(settle_s, kSettle_s)) {}
+
   void Add(const base::ToolState& tool, const base::Vec3& true_centre_m, double force_N = 0) {
-    const bool settled = static_cast<double>(tracked_.size()) * base::kTickPeriod_s >= kSettle_s;
+    const double t_s = static_cast<double>(tracked_.size()) * base::kTickPeriod_s;
+    const bool settled = t_s >= settle_s_;
     const bool posed = tool.status == base::TrackingStatus::kTracking;
     const double sigma_mm = 1e3 * std::sqrt(tool.covariance[0] + tool.covariance[6] + tool.covariance[12]);
     const bool tracked = posed && 3 * sigma_mm <= kTracked_mm;
     tracked_.push_back(tracked || !settled);
-    if (!settled) return;
-    ++tally_.ticks;
+    if (!(t_s >= kSettle_s)) return;
+    tally_.ticks += settled ? 1 : 0;
     if (!posed) return;
     const double error_mm = 1e3 * base::Norm(tool.position_base_m - true_centre_m);
     const bool silent = error_mm > kSilentSigmas * sigma_mm;
+    ++tally_.poses;
     tally_.silent += silent ? 1 : 0;
     tally_.pushed_silent += silent && force_N > kPushed_N ? 1 : 0;
+    if (!settled) return;
     if (!tracked) {
       ++tally_.coarse;
       tally_.coarse_mm.push_back(error_mm);
@@ -125,6 +131,7 @@ class Judge {
     return lost == 0 ? 0 : 1e3 * base::kTickPeriod_s * static_cast<double>(lost - from);
   }
 
+  const double settle_s_;
   Tally tally_;
   std::vector<bool> tracked_;
 };
@@ -214,7 +221,7 @@ class BaseInRooms {
     for (const RoomCondition* condition : conditions) {
       if (condition->later) condition->later(truth, draw);
     }
-    Judge waved, pressed;
+    Judge waved(conditions.front()->settle_s), pressed(conditions.front()->settle_s);
     TrackWave(device_, (**config->second).tracker, truth, seed_, motion_seed, run_s, waved);
     PressBox(device_, **config->second, truth, seed_, motion_seed, run_s, scene_, pressed);
     return {waved.Finish(conditions.front()->events_s), pressed.Finish(conditions.front()->events_s)};
@@ -243,7 +250,8 @@ std::vector<const RoomCondition*> DrawPair(const std::vector<RoomCondition>& all
 }
 
 Tallies RunPairs(BaseInRooms& base, std::uint64_t seed, std::size_t pairs) {
-  const std::vector<RoomCondition> all = RoomConditions();
+  std::vector<RoomCondition> all = RoomConditions();
+  std::erase_if(all, [](const RoomCondition& c) { return c.settle_s > 0; });  // another pen
   Random draw(seed ^ 0xBA12);
   Tallies sums;
   for (std::size_t p = 0; p < pairs; ++p) {
@@ -260,7 +268,7 @@ nlohmann::ordered_json Row(const std::string& condition, bool force, const Tally
   const auto measured = [](const std::vector<double>& values, double value) {
     return values.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(value);
   };
-  const std::size_t poses = tally.tracked + tally.coarse;
+  const std::size_t poses = tally.poses;
   const std::size_t pushes = tally.force_error_pct.size() + tally.limited_error_pct.size();
   return {
       {"condition", condition},
