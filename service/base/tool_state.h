@@ -28,6 +28,14 @@ enum ToolLimit : std::uint32_t {
   kToolFrozen = 64     // the stamp advances, but every sensor repeats the same reading: nothing is measured
 };
 
+// Which magnet the pen has.
+enum class MagnetIdentity : std::uint8_t {
+  kUnknown = 0,     // its moment is not known well enough yet
+  kCalibrated = 1,  // the one of the calibration
+  kKnown = 2,       // another one, learnt before
+  kNew = 3          // another one, being learnt
+};
+
 // How uncertain a point of the tool is along one direction: variances of position and velocity, and their covariance.
 struct PointNoise {
   double position_m2 = 0;
@@ -63,7 +71,10 @@ struct ToolState {
   std::uint32_t sensors_disagree = 0;  // ... and disagreed with the others when last checked
   Vec3 ambient_base_T;                 // uniform field since then, known while tracking
   double stray_rms_T = 0;              // root mean square contribution of nearby magnets to readings; 0: none detected
-  double model_error_relative = 0;     // error of the tool's field in the calibration, estimated from readings
+  double moment_scale = 1;  // moment of the pen's magnet over the calibrated one's, and its standard deviation
+  double moment_sigma = 0;
+  MagnetIdentity magnet = MagnetIdentity::kUnknown;
+  double model_error_relative = 0;  // error of the tool's field in the calibration, estimated from readings
 };
 static_assert(std::is_trivially_copyable_v<ToolState>);
 

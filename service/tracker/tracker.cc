@@ -156,15 +156,18 @@ bool Publish(const Config& config, const base::HallScan& scan, const Outcome& ou
 
 // Every few scans all drifting quantities are unknowns.
 bool IsWideScan(const Config& config, const State& state) noexcept {
-  return LearnsDrift(config) && (state.scans % static_cast<std::uint32_t>(std::max(1, config.drift.every_scans)) == 0 ||
-                                 IsAmbientLively(config.drift, state.drift));
+  return LearnsDrift(config) &&
+         (state.scans % static_cast<std::uint32_t>(std::max(1, config.drift.every_scans)) == 0 ||
+          IsAmbientLively(config.drift, state.drift) || (state.warm && !state.magnet.identified));
 }
 
 // No room is like that: a wrong pose is explained by fields that do not exist.
 bool IsAbsurd(const Config& config, const State& state) noexcept {
   const auto [x_T, y_T, z_T] = AmbientField_T(state.drift);
   const double size_T = std::hypot(x_T, y_T, z_T);
-  return !(size_T <= config.ambient_max_T && RootMeanSquare(state.stray.mean_T) <= config.stray.max_T);
+  const bool no_pen =
+      IsToBeIdentified(state.magnet) && std::abs(MomentScale(state.drift) - 1) >= config.magnets.furthest;
+  return no_pen || !(size_T <= config.ambient_max_T && RootMeanSquare(state.stray.mean_T) <= config.stray.max_T);
 }
 
 // Resets what is known of room and pose; what was found of sensors and calibration stays.
@@ -174,6 +177,7 @@ void Restart(State& state) noexcept {
   state.stray = {};
   state.evidence = {};
   state.warm = false;
+  ForgetMagnet(state.magnet);
 }
 
 void ForgetDrift(const Config& config, const base::HallScan& scan, const PenPlace* pen, DriftState& drift) noexcept {
@@ -189,9 +193,9 @@ void ForgetDrift(const Config& config, const base::HallScan& scan, const PenPlac
   if (sum_A <= kCurrentStepMax_A) drift.coil_current_A = scan.coil_current_A;
 }
 
-PenPlace PlaceOf(const Model& model, const FilterState& filter) noexcept {
+PenPlace PlaceOf(const Model& model, double moment_scale, const FilterState& filter) noexcept {
   const auto& variance_m2 = filter.covariance_pp;
-  const Vector3d moment_Am2 = model.moment_Am2 * base::ToEigen(filter.axis_base);
+  const Vector3d moment_Am2 = moment_scale * model.moment_Am2 * base::ToEigen(filter.axis_base);
   using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const Vector3d core_A = Eigen::Map<const RowMajor3d>(model.core_current_A_T.data()) *
                           magnetics::DipoleField(moment_Am2, base::ToEigen(filter.position_base_m));
@@ -204,6 +208,7 @@ void LearnFromLast(const Config& config, State& state) noexcept {
   const std::array<double, 3> ambient_T = AmbientField_T(state.drift);
   const AmbientEvidence said = CorrectDrift(config.drift, state.evidence, state.drift);
   state.evidence.valid = false;
+  if (IsToBeIdentified(state.magnet)) IdentifyMagnet(config.magnets, state.drift, state.magnet);
   if (said.valid && config.mains.enabled) {
     LearnMains(config.mains, said, ambient_T, state.evidence.age_s, state.mains);
   }
@@ -212,6 +217,7 @@ void LearnFromLast(const Config& config, State& state) noexcept {
 void Start(const Config& config, const base::HallScan& scan, State& state) noexcept {
   state.doubt.model_error = config.doubt.model_error_start;
   StartAway(config.away, scan.t_ns, state.away);
+  StartMagnet(config.magnets, LearnsDrift(config), state.magnet);
   if (LearnsDrift(config)) ForgetDrift(config, scan, nullptr, state.drift);
 }
 
@@ -219,6 +225,14 @@ void Start(const Config& config, const base::HallScan& scan, State& state) noexc
 void LearnAway(const Config& config, const base::HallScan& scan, bool away, State& state) noexcept {
   if (!away || !config.away.enabled || !LearnsDrift(config)) return EndAwayWindow(state.away);
   if (WatchAway(config.away, config.model, scan, state.drift, state.away)) state.stray = {};
+}
+
+// Of a pen whose moment is not known as well as that of the calibrated one.
+void AddMomentCovariance(const State& state, Fit& fit) noexcept {
+  const double variance = PublishedVariance(state.drift, state.magnet);
+  if (!(variance > 0)) return;
+  const Eigen::Map<const Eigen::Matrix<double, kParameters, 1>> shift(state.magnet.pose_per_moment.data());
+  fit.covariance += variance * shift * shift.transpose();
 }
 
 Pose PoseOf(const FilterState& filter) noexcept {
@@ -258,7 +272,8 @@ Config MakeConfig(const base::DeviceGeometry& device) {
   Config config = MakeConfig(magnetics::NominalCalibration(device));
   config.trust = Trust{};
   config.doubt.model_error_max = config.doubt.cold_error_max = kDrawnError;
-  config.stray.enabled = false;  // its own errors would pass for a magnet
+  config.stray.enabled = false;    // its own errors would pass for a magnet ...
+  config.magnets.enabled = false;  // ... or for another pen
   return config;
 }
 
@@ -278,10 +293,11 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
   std::optional<base::HallScan> zeroed;
   if (state.away.learnt) SubtractZeros(state.away, zeroed.emplace(as_read));
   const base::HallScan& scan = zeroed ? *zeroed : as_read;
+  const double since_last_s = base::Elapsed_s(scan.t_ns, state.currents.t_ns);
   const CurrentHistory currents = Remember(scan, state.currents);
   LearnFromLast(config, state);
   AdvanceMains(config.mains, scan.t_ns, state.mains);
-  const PenPlace place = PlaceOf(config.model, state.filter);
+  const PenPlace place = PlaceOf(config.model, MomentScale(state.drift), state.filter);
   const PenPlace* const pen = state.warm ? &place : nullptr;
   if (LearnsDrift(config) && ArePlausible(scan.coil_current_A))
     FollowCore(config.drift, scan.coil_current_A, pen, state.drift);
@@ -328,6 +344,7 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
     if (continues && IsEarlyJump(config, state, predicted, outcome)) outcome.good = false;
     if (outcome.good && warm && outcome.fit.has_sums) {
       state.evidence = GatherEvidence(config.drift, measurement, sums, state.drift.step_s);
+      state.magnet.pose_per_moment = state.evidence.pose_per_moment;
     }
     if (outcome.good && warm && steel) {
       CorrectForSteel(config.model, measurement, PoseOf(predicted), *steel, outcome.fit);
@@ -337,6 +354,7 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
       Restart(state);
       outcome.good = false;
     }
+    if (outcome.good) AddMomentCovariance(state, outcome.fit);
     if (outcome.good && state.stray.on) AddStrayCovariance(config.stray, state.stray, outcome.fit);
     const double unsure =
         Unsureness(config.doubt, state.doubt, state.stray.dipole.found ? state.stray.dipole.misfit : 1);
@@ -347,6 +365,7 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
     Hold(config, scan, state);
   LearnAway(config, scan, state.published.status == base::TrackingStatus::kAbsent && !frozen, state);
   Describe(config, scan, measurement, outcome, state.explained, state.published);
+  FollowMagnet(config.magnets, state.published, since_last_s, state.drift, state.magnet);
   ReportFindings(state, frozen, state.published);
   tool = state.published;
 }

@@ -14,6 +14,7 @@
 #include "service/tracker/kernel/model.h"
 #include "service/tracker/room/doubt.h"
 #include "service/tracker/room/drift.h"
+#include "service/tracker/room/magnet.h"
 #include "service/tracker/room/mains.h"
 #include "service/tracker/room/stray_field.h"
 #include "service/tracker/solve/away.h"
@@ -27,6 +28,7 @@ struct Config {
   Trust trust;                              // of the readings
   FilterNoise filter;                       // how a hand moves
   DriftNoise drift;                         // how fast offsets and moment change
+  MagnetOptions magnets;                    // pens, and when another one is used
   MainsOptions mains;                       // a tone in the ambient field
   DoubtOptions doubt;                       // when a sensor or the calibration is doubted
   StrayOptions stray;                       // when a magnet nearby is accepted
@@ -65,6 +67,7 @@ struct State {
   std::uint32_t cold_scan = 0;  // the last whose pose was found by a cold start
   FilterState filter;
   DriftState drift;
+  Magnet magnet;
   Mains mains;
   Doubt doubt;
   Repetition repetition;

@@ -37,10 +37,11 @@ double VarianceOf(const DriftNoise& noise, bool follows, std::size_t state) noex
 bool EliminatePose(const Measurement& measurement, const KernelSums& sums, DriftEvidence& evidence) noexcept {
   std::array<double, std::size_t{kParameters} * kParameters> H;
   std::array<StateRow, kParameters> B{};
+  const double per_scale = 1 / measurement.moment_scale;  // M is of the field as scaled, the state is the scale
   for (std::size_t k = 0, e = 0; k < kParameters; ++k) {
     for (std::size_t j = 0; j <= k; ++j, ++e) H[kParameters * k + j] = sums.JtJ[e];
     for (std::size_t a = 0; a < kMoment; ++a) B[k][a] = sums.CtJ[a][k];
-    B[k][kMoment] = sums.MtJ[k];
+    B[k][kMoment] = per_scale * sums.MtJ[k];
   }
   SmallCholesky<kParameters> factors;
   if (!factors.Factor(H.data(), kParameters, 0)) return false;
@@ -49,12 +50,13 @@ bool EliminatePose(const Measurement& measurement, const KernelSums& sums, Drift
   for (std::size_t a = 0; a < kStates; ++a) {
     StateRow& row = evidence.information[a];
     for (std::size_t b = 0; b < kMoment; ++b) {
-      row[b] = a < kMoment ? measurement.nuisance_information[a * kNuisancesMax + b] : sums.CtM[b];
+      row[b] = a < kMoment ? measurement.nuisance_information[a * kNuisancesMax + b] : per_scale * sums.CtM[b];
     }
-    row[kMoment] = a < kMoment ? sums.CtM[a] : sums.MtM;
+    row[kMoment] = per_scale * (a < kMoment ? sums.CtM[a] : per_scale * sums.MtM);
     for (std::size_t k = 0; k < kParameters; ++k) AddTo(row, -B[k][a], H_B[k]);
-    evidence.gradient[a] = -(a < kMoment ? sums.Ctr[a] : sums.Mtr);
+    evidence.gradient[a] = -(a < kMoment ? sums.Ctr[a] : per_scale * sums.Mtr);
   }
+  for (std::size_t k = 0; k < kParameters; ++k) evidence.pose_per_moment[k] = -H_B[k][kMoment];
   for (std::size_t k = 0; k < kParameters; ++k) AddTo(evidence.gradient, sums.Jtr[k], H_B[k]);
   return true;
 }
@@ -111,6 +113,12 @@ AmbientEvidence OfAmbient(const DriftEvidence& evidence, const DriftState& drift
   }
   ambient.valid = true;
   return ambient;
+}
+
+// Removes row and column `state` but for its variance.
+void Isolate(std::size_t state, double variance, DriftMatrix& covariance) noexcept {
+  for (std::size_t b = 0; b < kStates; ++b) covariance[state * kStates + b] = covariance[b * kStates + state] = 0;
+  covariance[state * (kStates + 1)] = variance;
 }
 
 // Squared innovation over the expected one, mean of three components: with nu = I^-1 g the field's innovation,
@@ -171,10 +179,7 @@ bool IsAmbientOpen(const DriftNoise& noise, const DriftState& drift) noexcept {
 }
 
 void SetAmbientVariance(double variance_T2, DriftMatrix& covariance) noexcept {
-  for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) {
-    for (std::size_t b = 0; b < kStates; ++b) covariance[a * kStates + b] = covariance[b * kStates + a] = 0;
-    covariance[a * kStates + a] = variance_T2;
-  }
+  for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) Isolate(a, variance_T2, covariance);
 }
 
 void SetAmbientVariance(double variance_T2, DriftState& drift) noexcept {
@@ -257,6 +262,57 @@ Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept {
 }
 
 double MomentScale(const DriftState& drift) noexcept { return 1 + drift.mean[kMoment]; }
+double MomentVariance(const DriftState& drift) noexcept { return drift.covariance[kMoment * (kStates + 1)]; }
+
+void SetMoment(double relative, double variance, DriftState& drift) noexcept {
+  drift.mean[kMoment] = drift.moment_of_pen = relative;
+  drift.moment_open = true;
+  Isolate(kMoment, variance, drift.covariance);
+  drift.still = {};
+}
+
+//   x <- x + K (z - x_m),   P <- P - K P_m,   K = P_m / (P_mm + R)
+void ObserveMoment(double relative, double variance, DriftState& drift) noexcept {
+  const double innovation = relative - drift.mean[kMoment];
+  StateRow column{};
+  for (std::size_t a = 0; a < kStates; ++a) column[a] = drift.covariance[a * kStates + kMoment];
+  const double expected = column[kMoment] + variance;
+  if (!(expected > 0)) return;
+  for (std::size_t a = 0; a < kStates; ++a) {
+    drift.mean[a] += column[a] / expected * innovation;
+    for (std::size_t b = 0; b < kStates; ++b) drift.covariance[a * kStates + b] -= column[a] * column[b] / expected;
+  }
+  drift.still = {};
+}
+
+void HoldMoment(double relative, DriftState& drift) noexcept {
+  drift.moment_of_pen = relative;
+  drift.moment_open = false;
+}
+
+//   I_m = I_mm - I_mo (I_oo + D^-1)^-1 I_om,   g_m = g - I_mo (I_oo + D^-1)^-1 g_o
+MomentEvidence OfMoment(DriftEvidence evidence, const DriftState& drift) noexcept {
+  MomentEvidence moment;
+  if (!evidence.valid || !AllowForCurrents(evidence)) return moment;
+  constexpr std::size_t kOthers = kMoment;
+  std::array<double, kOthers * kOthers> S;
+  for (std::size_t a = 0; a < kOthers; ++a) {
+    for (std::size_t b = 0; b < kOthers; ++b) S[kOthers * a + b] = evidence.information[a][b];
+    S[(kOthers + 1) * a] += 1 / drift.covariance[a * (kStates + 1)];
+  }
+  if (!InvertPositive<kOthers>(S.data(), kOthers)) return moment;
+  const StateRow& row = evidence.information[kMoment];
+  moment.information = row[kMoment];
+  moment.gradient = evidence.gradient[kMoment];
+  for (std::size_t a = 0; a < kOthers; ++a) {
+    for (std::size_t b = 0; b < kOthers; ++b) {
+      moment.information -= row[a] * S[kOthers * a + b] * row[b];
+      moment.gradient -= row[a] * S[kOthers * a + b] * evidence.gradient[b];
+    }
+  }
+  moment.valid = moment.information > 0 && std::isfinite(moment.information + moment.gradient);
+  return moment;
+}
 std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept {
   return {drift.mean[kAmbient], drift.mean[kAmbient + 1], drift.mean[kAmbient + 2]};
 }
@@ -273,7 +329,7 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
   const DriftVector keep{remanence, remanence, remanence, ambient, ambient, ambient, moment};
   const bool follows = drift.valid && drift.core_followed;
   for (std::size_t k = 0; k < kAmbient && !follows; ++k) drift.mean[k] *= keep[k];
-  drift.mean[kMoment] *= keep[kMoment];
+  drift.mean[kMoment] = drift.moment_of_pen + keep[kMoment] * (drift.mean[kMoment] - drift.moment_of_pen);
   DriftVector grows{};
   for (std::size_t a = 0; a < kStates; ++a) grows[a] = (1 - Square(keep[a])) * VarianceOf(noise, follows, a);
   for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) grows[a] += dt_s * drift.ambient_wander_T2_s;
@@ -327,7 +383,9 @@ AmbientEvidence CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, Dr
   }
   if (!std::isfinite(sum)) return {};
   drift.mean = mean;
-  drift.mean[kMoment] = std::clamp(drift.mean[kMoment], -noise.moment_max, noise.moment_max);
+  const double pen = drift.moment_open ? 0 : drift.moment_of_pen;
+  const double most = drift.moment_open ? noise.moment_open_max : noise.moment_max;
+  drift.mean[kMoment] = std::clamp(drift.mean[kMoment], pen - most, pen + most);
   covariance = P;
   for (std::size_t e = 0; e < P.size() && drift.still.referenced; ++e) {
     drift.covariance[e] = drift.still.reference_covariance[e] + P[e];

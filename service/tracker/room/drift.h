@@ -31,7 +31,8 @@ struct DriftNoise {
   double ambient_open_T = 6e-7;      // a field known less well is an unknown of every scan
   double current_step_error = 0.03;  // of a change of the current: gain and lag of its sensor, hysteresis of the core
   double moment = 0.01, moment_s = 2e4;  // 0.01 % in a second
-  double moment_max = 0.05;
+  double moment_max = 0.05;              // from that of the pen in use ...
+  double moment_open_max = 0.35;         // ... and, while that is not known, from the calibrated one
   // The model's error stays the same from scan to scan until the pen has moved, turned or waited so much.
   double same_error_m = 0.02, same_error_rad = 0.3, same_error_s = 10;
 };
@@ -47,6 +48,8 @@ struct DriftState {
   std::array<double, base::kCoilCount> coil_current_A{};  // at the last correction
   DriftVector mean{};
   DriftMatrix covariance{};
+  double moment_of_pen = 0;  // mean of the moment's state: that of the pen in use
+  bool moment_open = false;  // which pen that is, is not known
   bool core_followed = false;
   std::array<double, base::kCoilCount> core_A{};  // the core's moment, as currents, if core_followed
   StillPen still;
@@ -63,13 +66,15 @@ struct DriftEvidence {
   Row gradient{};
   double share = 0;  // share of both that is used
   double systematic_share = 0;
-  double age_s = 0;  // of the samples, the mean
+  double age_s = 0;                                   // of the samples, the mean
+  std::array<double, kParameters> pose_per_moment{};  // shift of the fitted pose with the moment's state
   std::array<double, base::kCoilCount> current_variance_A2{};
 };
 static_assert(std::is_trivially_copyable_v<DriftEvidence>);
 
 Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept;
 double MomentScale(const DriftState& drift) noexcept;
+double MomentVariance(const DriftState& drift) noexcept;                 // of it
 std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept;  // frame B, since the calibration
 
 // For each scan, before it is measured: drags the core's remanence behind its moment. pen: null: it may be anywhere,
@@ -103,6 +108,21 @@ void OpenAmbient(const DriftNoise& noise, DriftState& drift) noexcept;
 
 // The ambient field changes faster than DriftNoise says, or is poorly known: every scan is evaluated.
 bool IsAmbientLively(const DriftNoise& noise, const DriftState& drift) noexcept;
+
+// The moment is this, relative to the model's, with that variance; it may be any pen's.
+void SetMoment(double relative, double variance, DriftState& drift) noexcept;
+// It was measured otherwise.
+void ObserveMoment(double relative, double variance, DriftState& drift) noexcept;
+// It is that of a pen whose moment is this, and stays near it.
+void HoldMoment(double relative, DriftState& drift) noexcept;
+
+// What a scan says of the moment alone, as information and gradient: the other states are eliminated, each known to its
+// own variance.
+struct MomentEvidence {
+  bool valid = false;
+  double information = 0, gradient = 0;
+};
+MomentEvidence OfMoment(DriftEvidence evidence, const DriftState& drift) noexcept;
 
 // What a scan says of the ambient field alone, as information (row-major, 1/T^2) and gradient: the other states are
 // eliminated, each known to its own variance.

@@ -10,6 +10,7 @@ void ReportFindings(const State& state, bool frozen, base::ToolState& tool) noex
   const auto [x_T, y_T, z_T] = AmbientField_T(state.drift);
   tool.ambient_base_T = {x_T, y_T, z_T};
   tool.stray_rms_T = state.stray.believed ? RootMeanSquare(state.stray.mean_T) : 0;
+  ReportMagnet(state.drift, state.magnet, tool);
   tool.model_error_relative = doubt.model_error;
 }
 

@@ -5,6 +5,7 @@
 
 #include "service/base/eigen.h"
 #include "service/tracker/kernel/steel.h"
+#include "service/tracker/room/nuisance.h"
 #include "service/tracker/solve/cold_start.h"
 #include "service/tracker/solve/static_solve.h"
 
@@ -13,14 +14,22 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Assumptions of cold starts: as before; the ambient field may be anything; that and one sensor left out; then all
-// sensors with the model's error doubled time and again, as an uncalibrated base needs.
-constexpr int kFirstLeftOut = 2, kFirstDoubled = kFirstLeftOut + kSensors;
+// Assumptions of cold starts: as before; the ambient field may be anything; another pen, if it may be one, and then
+// both; any ambient field and one sensor left out; then all sensors with the model's error doubled time and again, as
+// an uncalibrated base needs.
+constexpr int kOtherPen = 2, kOtherPenAndField = 3, kFirstLeftOut = 4, kFirstDoubled = kFirstLeftOut + kSensors;
 constexpr double kSurelyKnown_m2 = 25e-6;  // trace: with so much that may be wrong, a pose known worse is none
 // A correct first pose is known this well (trace); where its chi2 exceeds this per degree of freedom, any other ambient
 // field saves less than kFieldSaves.
 constexpr double kKnown_m2 = 225e-6, kOddly = 1.5, kFieldSaves = 22;
 constexpr double kNoFit = 1e6;  // chi2
+// The search for another pen's moment: places of the grid to start from; steps, their greatest size, and the last one's
+// in standard deviations.
+constexpr int kMomentStarts = 3, kMomentSteps = 8;
+constexpr double kMomentStepMax = 0.25, kMomentSettled = 0.3;
+constexpr double kForeignSigmas = 2, kForeign_s = 2;  // beyond what a pen may have: then it is none, for so long
+constexpr double kMomentMin = 0.1, kMomentMax = 3;    // where it may lead, to see that a magnet is no pen's
+constexpr double kSimpler = 4;  // of chi2: so much less does not make any other field likelier than another pen
 
 double PositionVariance(const Fit& fit) noexcept { return fit.covariance.topLeftCorner<3, 3>().trace(); }
 
@@ -89,6 +98,121 @@ bool IsOfAnotherField(const ScanContext& context, const State& state, const Meas
   DriftState open = state.drift;
   OpenAmbient(config.drift, open);
   return SolveCold(config, MeasureScan(context, open, state.doubt), fit.pose).chi2 + kFieldSaves < fit.chi2;
+}
+
+// The fit once more, with the sums that say what the scan knows of the moment.
+MomentEvidence MomentAt(const ScanContext& context, const DriftState& drift, Measurement& measurement, Fit& fit,
+                        Magnet& magnet) noexcept {
+  const Config& config = context.config;
+  AddAmbientColumns(measurement);
+  KernelSums sums;
+  const Fit again =
+      SolvePose(config.model, measurement, fit.pose,
+                {.precision = PrecisionOf(config), .iterations_max = config.iterations_max, .sums = &sums});
+  if (!again.has_sums || !again.pose.position_base_m.allFinite()) return {};
+  const int spent = fit.iterations;
+  fit = again;
+  fit.iterations += spent;
+  const DriftEvidence evidence = GatherEvidence(config.drift, measurement, sums, 0);
+  magnet.pose_per_moment = evidence.pose_per_moment;
+  return OfMoment(evidence, drift);
+}
+
+// Pose and moment of a pen of which nothing is known, from `start`: Gauss-Newton steps of the moment, each at the best
+// pose.   docs/theory/tracking.md (36)
+bool SeekMoment(const ScanContext& context, const Doubt& doubt, const Pose& start, DriftState& drift,
+                Measurement& measurement, Outcome& outcome, Magnet& magnet) noexcept {
+  const Config& config = context.config;
+  const double known = 1 / (config.magnets.unknown * config.magnets.unknown);
+  Pose pose = start;
+  for (int k = 0; k < kMomentSteps; ++k) {
+    std::optional<SteelResponse> steel;
+    ScanContext beside = context;
+    if (k > 0 && HasSteel(config.model)) {
+      steel = SteelResponseOf(config.model, pose, MomentScale(drift));
+      beside.local = &steel->field_T;
+    }
+    measurement = MeasureScan(beside, drift, doubt);
+    const Pose expected = pose;
+    outcome.fit = SolveCold(config, measurement, pose);
+    if (!outcome.fit.pose.position_base_m.allFinite()) return false;
+    const MomentEvidence said = MomentAt(context, drift, measurement, outcome.fit, magnet);
+    if (!said.valid) return false;
+    if (steel) CorrectForSteel(config.model, measurement, expected, *steel, outcome.fit);
+    pose = outcome.fit.pose;
+    const double relative = MomentScale(drift) - 1, information = said.information + known;
+    const double step = (said.gradient - known * relative) / information;
+    const bool settled = k > 0 && std::abs(step) * std::sqrt(information) < kMomentSettled;
+    SetMoment(relative + std::clamp(step, -kMomentStepMax, kMomentStepMax), 1 / information, drift);
+    if (!(MomentScale(drift) >= kMomentMin && MomentScale(drift) <= kMomentMax)) return false;
+    if (!settled) continue;
+    const bool fits =
+        FitsReadings(config, measurement, outcome.fit) && outcome.fit.chi2 <= kOddly * DegreesOfFreedom(measurement);
+    const double away = std::abs(MomentScale(drift) - 1) - config.magnets.furthest;
+    if (fits && away > kForeignSigmas * std::sqrt(MomentVariance(drift))) magnet.foreign_s = kForeign_s;
+    outcome.explained = fits && away < 0;
+    outcome.good = outcome.explained && IsInReach(config, pose) && PositionVariance(outcome.fit) <= kKnown_m2;
+    return outcome.good;
+  }
+  return false;
+}
+
+// The same without a hint.
+Outcome SeekOtherPen(const ScanContext& context, const Doubt& doubt, DriftState& drift, Measurement& measurement,
+                     Magnet& magnet) noexcept {
+  const DriftState before = drift;
+  Outcome outcome;
+  const ColdCandidates candidates = RankGrid(context.config.model, MeasureScan(context, drift, doubt), kMomentStarts);
+  for (std::size_t c = 0; c < static_cast<std::size_t>(candidates.count) && !outcome.good; ++c) {
+    outcome = {};
+    outcome.cold = true;
+    drift = before;
+    SeekMoment(context, doubt, candidates.poses[c], drift, measurement, outcome, magnet);
+  }
+  return outcome;
+}
+
+// A scan that fits the magnet that was there last, which may have been exchanged. If it needs another ambient field,
+// would another pen do, in the field as it was (`before`)? Does it contradict that moment? Then both are searched, in
+// that field, else in any. If it says too little, the moment is an unknown of the scans to come.
+void MeetMagnet(const ScanContext& context, const DriftState& before, const Doubt& doubt, DriftState& drift,
+                Measurement& measurement, Outcome& outcome, Magnet& magnet) noexcept {
+  const MagnetOptions& options = context.config.magnets;
+  if (magnet.identified || !outcome.good) return;
+  const Pose start = outcome.fit.pose;
+  Outcome other;
+  other.cold = true;
+  DriftState trial = before;
+  Measurement of_other;
+  const bool any_field = IsAmbientLively(context.config.drift, drift);
+  if (any_field && SeekMoment(context, doubt, start, trial, of_other, other, magnet) &&
+      other.fit.chi2 <= outcome.fit.chi2 + kSimpler) {
+    drift = trial;
+    measurement = of_other;
+    outcome = other;
+    return IdentifyMagnet(options, drift, magnet);
+  }
+  Fit fit = outcome.fit;
+  const MomentEvidence said = MomentAt(context, drift, measurement, fit, magnet);
+  if (!said.valid) return SetMoment(MomentScale(drift) - 1, options.unknown * options.unknown, drift);
+  const double variance = 1 / said.information, shift = said.gradient * variance;
+  const double expected = variance + options.warmth * options.warmth;
+  if (shift * shift <= options.odd_sigmas * options.odd_sigmas * expected) {
+    const double known = 1 / (options.unknown * options.unknown);
+    const double posterior = 1 / (said.information + known);
+    if (posterior <= options.identified * options.identified) return ConfirmMagnet(drift, magnet);
+    SetMoment(MomentScale(drift) - 1, options.unknown * options.unknown, drift);
+    return;
+  }
+  trial = before;
+  outcome.good = outcome.explained = false;
+  if (!SeekMoment(context, doubt, start, trial, measurement, outcome, magnet)) {
+    trial = drift;
+    OpenAmbient(context.config.drift, trial);
+    if (!SeekMoment(context, doubt, start, trial, measurement, outcome, magnet)) return;
+  }
+  drift = trial;
+  IdentifyMagnet(options, drift, magnet);
 }
 
 double Chi2Of(const Outcome& outcome, double otherwise) noexcept {
@@ -250,28 +374,41 @@ bool TryOtherHypotheses(const ScanContext& context, const FilterState& predicted
 
 Outcome TryColdHypothesis(const ScanContext& context, State& state, Measurement& measurement) noexcept {
   const Config& config = context.config;
+  if (state.magnet.identified && state.belief == kOtherPen) state.belief = kFirstLeftOut;
+  if (state.magnet.foreign_s > 0 && state.belief > 0) state.belief = state.belief == 1 ? kOtherPen : 0;
   const int belief = CanDoubt(config, state) ? state.belief++ : 0;
   if (belief == 0) {
     Outcome outcome = TryCold(context, state.drift, state.doubt, measurement);
     if (CanDoubt(config, state)) {
       outcome.good = outcome.good && PositionVariance(outcome.fit) <= kKnown_m2 &&
                      !IsOfAnotherField(context, state, measurement, outcome.fit);
+      MeetMagnet(context, state.drift, state.doubt, state.drift, measurement, outcome, state.magnet);
     }
     if (outcome.good) state.belief = 0;
     return outcome;
   }
   DriftState drift = state.drift;
-  OpenAmbient(config.drift, drift);
+  if (belief != kOtherPen) OpenAmbient(config.drift, drift);
   Doubt doubt = state.doubt;
+  if (belief == kOtherPen || belief == kOtherPenAndField) {
+    Outcome outcome = SeekOtherPen(context, doubt, drift, measurement, state.magnet);
+    if (!outcome.good) return outcome;
+    IdentifyMagnet(config.magnets, drift, state.magnet);
+    state.drift = drift;
+    state.belief = 0;
+    return outcome;
+  }
   if (belief >= kFirstDoubled) {
     const double error = std::max(doubt.model_error, config.trust.model_error_relative);
     doubt.model_error = std::min(std::ldexp(error, belief - kFirstDoubled + 1), config.doubt.cold_error_max);
   }
   if (belief + 1 >= kFirstDoubled && doubt.model_error >= config.doubt.cold_error_max) state.belief = 0;
-  Blame(config.doubt, belief < kFirstDoubled ? belief - kFirstLeftOut : -1, doubt);
+  const bool left_out = belief >= kFirstLeftOut && belief < kFirstDoubled;
+  Blame(config.doubt, left_out ? belief - kFirstLeftOut : -1, doubt);
   measurement = MeasureScan(context, drift, doubt);
   Outcome outcome = TryCold(context, drift, doubt, measurement);
   outcome.good = outcome.good && PositionVariance(outcome.fit) <= kSurelyKnown_m2;
+  MeetMagnet(context, state.drift, doubt, drift, measurement, outcome, state.magnet);
   if (!outcome.good) return outcome;
   state.drift = drift;
   state.doubt = doubt;
@@ -282,7 +419,8 @@ Outcome TryColdHypothesis(const ScanContext& context, State& state, Measurement&
 Outcome TryPair(const ScanContext& context, State& state, Measurement& measurement) noexcept {
   const Config& config = context.config;
   Outcome outcome;
-  if (!config.pair.enabled || !config.stray.enabled || !CanDoubt(config, state)) return outcome;
+  if (!config.pair.enabled || !config.stray.enabled || state.magnet.foreign_s > 0 || !CanDoubt(config, state))
+    return outcome;
   DriftState drift = state.drift;
   OpenAmbient(config.drift, drift);
   Doubt doubt;
@@ -302,6 +440,7 @@ Outcome TryPair(const ScanContext& context, State& state, Measurement& measureme
   outcome = TryCold(beside, drift, doubt, measurement);
   outcome.good = outcome.good && PositionVariance(outcome.fit) <= kKnown_m2;
   if (!outcome.good) return outcome;
+  ConfirmMagnet(drift, state.magnet);
   state.drift = drift;
   state.doubt = doubt;
   state.stray = stray;
