@@ -13,7 +13,7 @@ base::ForceLimit LimitWith(const Config& config, const base::ToolState& tool, co
                            const std::array<double, base::kCoilCount>& copper_C) noexcept {
   base::ForceLimit limit;
   if (tool.status != base::TrackingStatus::kTracking || !(tool.gap_m < config.gap_max_m)) return limit;
-  const ForceAtPose force = EvaluateForceMap(config.map, tool.position_base_m, tool.axis_base);
+  const ForceAtPose force = EvaluateForceMap(config.map, tool.position_base_m, tool.axis_base, tool.moment_scale);
   if (!force.valid) return limit;
   const DampedInverse inverse = InvertForceMap(force.newton_per_ampere, config.singular_ratio);
   if (!inverse.valid) return limit;
@@ -83,7 +83,7 @@ double ForceMax_N(const Config& config, const base::ToolState& tool, const base:
 
 base::Vec3 ForceFromCurrents(const ForceMap& map, const base::ToolState& tool,
                              const std::array<double, base::kCoilCount>& coil_current_A) noexcept {
-  const ForceAtPose force = EvaluateForceMap(map, tool.position_base_m, tool.axis_base);
+  const ForceAtPose force = EvaluateForceMap(map, tool.position_base_m, tool.axis_base, tool.moment_scale);
   if (!force.valid) return {};
   const base::Vec3 current_A{coil_current_A[0], coil_current_A[1], coil_current_A[2]};
   return base::Times(force.newton_per_ampere, current_A) + force.snapping_N;

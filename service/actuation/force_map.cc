@@ -12,7 +12,8 @@ namespace {
 
 static_assert(kForceOrders == magnetics::kCoilOrders && kForceCoils == base::kCoilCount);
 
-constexpr double kReach_m = 1e3;  // beyond: not a pose of this device
+constexpr double kReach_m = 1e3;         // beyond: not a pose of this device
+constexpr double kMomentScaleMax = 100;  // more is no magnet's
 
 struct Core {
   double radius_m;
@@ -74,10 +75,10 @@ ForceMap MakeForceMap(const base::DeviceGeometry& device, const base::Calibratio
 }
 
 // F = grad (m.B) = G m for a moment m in a curl-free field: column k of X = sum_s m_s G_k(p_s) u.
-ForceAtPose EvaluateForceMap(const ForceMap& map, const base::Vec3& position_base_m,
-                             const base::Vec3& axis_base) noexcept {
+ForceAtPose EvaluateForceMap(const ForceMap& map, const base::Vec3& position_base_m, const base::Vec3& axis_base,
+                             double moment_scale) noexcept {
   ForceAtPose result;
-  if (map.kernel == nullptr) return result;
+  if (map.kernel == nullptr || !(moment_scale > 0 && moment_scale < kMomentScaleMax)) return result;
   const magnetics::TangentBasis e = magnetics::MakeTangentBasis(base::ToEigen(axis_base));
   const ForcePose pose{.position_m = {position_base_m.x, position_base_m.y, position_base_m.z},
                        .e1 = {e.e1.x(), e.e1.y(), e.e1.z()},
@@ -91,12 +92,13 @@ ForceAtPose EvaluateForceMap(const ForceMap& map, const base::Vec3& position_bas
   if (!AllFinite(sums)) return result;
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
     for (std::size_t row = 0; row < 3; ++row) {
-      result.newton_per_ampere[3 * row + k] = sums.force_N_A[k][row];
-      result.newton_metre_per_ampere[3 * row + k] = sums.torque_Nm_A[k][row];
+      result.newton_per_ampere[3 * row + k] = moment_scale * sums.force_N_A[k][row];
+      result.newton_metre_per_ampere[3 * row + k] = moment_scale * sums.torque_Nm_A[k][row];
     }
   }
-  result.snapping_N = {sums.snapping_N[0], sums.snapping_N[1], sums.snapping_N[2]};
-  result.snapping_Nm = {sums.snapping_Nm[0], sums.snapping_Nm[1], sums.snapping_Nm[2]};
+  const double square = moment_scale * moment_scale;
+  result.snapping_N = square * base::Vec3{sums.snapping_N[0], sums.snapping_N[1], sums.snapping_N[2]};
+  result.snapping_Nm = square * base::Vec3{sums.snapping_Nm[0], sums.snapping_Nm[1], sums.snapping_Nm[2]};
   result.valid = true;
   return result;
 }

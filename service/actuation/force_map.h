@@ -41,7 +41,8 @@ struct ForceAtPose {
   std::array<double, 9> newton_metre_per_ampere{};  // Y, about the magnet's centre
   base::Vec3 snapping_N, snapping_Nm;               // the core's pull at zero current
 };
-ForceAtPose EvaluateForceMap(const ForceMap& map, const base::Vec3& position_base_m,
-                             const base::Vec3& axis_base) noexcept;
+// moment_scale: of the pen in use, over the map's: coils act in proportion to it, the core's pull with its square.
+ForceAtPose EvaluateForceMap(const ForceMap& map, const base::Vec3& position_base_m, const base::Vec3& axis_base,
+                             double moment_scale = 1) noexcept;
 
 }  // namespace omni::actuation
