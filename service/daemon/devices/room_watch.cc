@@ -1,6 +1,7 @@
 #include "service/daemon/devices/room_watch.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -28,6 +29,35 @@ constexpr int kSoftened_s = 10;
 
 }  // namespace
 
+void PenWatch::Add(const base::ToolState& tool) noexcept {
+  if (tool.status != base::TrackingStatus::kTracking || tool.magnet == base::MagnetIdentity::kUnknown) return;
+  ++tracked_;
+  if (tool.magnet == base::MagnetIdentity::kCalibrated) return;
+  ++other_;
+  sum_ += tool.moment_scale;
+}
+
+void PenWatch::EndSecond() noexcept {
+  if (tracked_ > 0) {
+    const double scale = other_ > 0 ? sum_ / other_ : 1;
+    is_other_.Add(IsMostly(other_, tracked_) && std::abs(scale - 1) >= kOther);
+    if (other_ > 0 && std::abs(scale - moment_scale_) >= kChanged) moment_scale_ = scale;
+  }
+  tracked_ = other_ = 0;
+  sum_ = 0;
+}
+
+void PenWatch::Report(std::vector<RoomFinding>& findings) const {
+  if (!is_other_.holds()) return;
+  const long percent = std::lround(100 * std::abs(moment_scale_ - 1));
+  findings.push_back({.kind = "other-pen",
+                      .sensors = {},
+                      .what = "this magnet is " + std::to_string(percent) + " % " +
+                              (moment_scale_ > 1 ? "stronger" : "weaker") +
+                              " than the one calibrated: another pen; poses and forces are those of this one",
+                      .fix = "nothing needs to be done; if you keep it: omni calibrate --replace"});
+}
+
 RoomWatch::RoomWatch(const base::Calibration* calibration) {
   if (calibration == nullptr || calibration->sensors.size() != base::kSensorCount) return;
   field_.emplace(*calibration);
@@ -45,6 +75,7 @@ bool RoomWatch::Add(const loop::RoomSample& sample) {
   softened_ = softened_ || sample.contact_gain < 1;
   sensors_.Add(sample);
   if (field_) field_->Add(sample);
+  pen_.Add(sample.tool);
   if (swap_ && contradicted && is_contradicted_.holds()) swap_->Keep(sample.scan);
   if (swap_) swap_->Step();
   const std::int64_t elapsed_ns = base::StampDifference_ns(last_ns_, second_ns_);
@@ -69,6 +100,7 @@ void RoomWatch::EndSecond() {
   samples_ = near_ = contradicted_ = 0;
   if (!enough) return;
   sensors_.EndSecond();
+  pen_.EndSecond();
   if (field_) field_->EndSecond(sensors_.useless(), contradicted && !IsExplained());
 }
 
@@ -78,6 +110,7 @@ std::vector<RoomFinding> RoomWatch::Report() const {
   if (swap_ && swap_->found()) findings.push_back(Swapped(*swap_->found()));
   if (field_ && !IsExplained()) field_->Report(findings);
   if (softened_s_ > 0) findings.push_back(Softened());
+  pen_.Report(findings);
   return findings;
 }
 

@@ -16,6 +16,23 @@
 
 namespace omni::daemon {
 
+// Whether the pen in use has another magnet than the calibrated one.
+class PenWatch {
+ public:
+  static constexpr double kOther = 0.025;    // of the moment; a magnet that is 20 K warmer has lost as much
+  static constexpr double kChanged = 0.015;  // until another number is told
+
+  void Add(const base::ToolState& tool) noexcept;
+  void EndSecond() noexcept;
+  void Report(std::vector<RoomFinding>& findings) const;
+
+ private:
+  int tracked_ = 0, other_ = 0;  // samples of this second
+  double sum_ = 0;               // of the moments of the latter, over the calibrated one's
+  Verdict is_other_{2};
+  double moment_scale_ = 1;  // as reported
+};
+
 class RoomWatch {
  public:
   static constexpr std::int64_t kSecond_ns = 1'000'000'000;
@@ -37,6 +54,7 @@ class RoomWatch {
 
   SensorWatch sensors_;
   std::optional<FieldWatch> field_;
+  PenWatch pen_;
   std::optional<SwapSearch> swap_;
   Verdict is_contradicted_{2};
   std::int64_t second_ns_ = 0, last_ns_ = 0;       // stamps: the second's begin; the last sample
