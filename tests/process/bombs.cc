@@ -22,7 +22,7 @@ TEST(ProcessBombs, RejectsTooDeeplyNestedSettingsAndKeepsOthers) {
   std::string key = "a";
   while (key.size() < 80'000) key += ".a";
   ServiceProcess service;
-  for (const char* name : {"apps.d/bomb.toml", "inputs.toml", "alignments.toml", "calibration.toml"})
+  for (const char* name : {"apps.d/bomb.toml", "inputs.toml", "alignments.toml", "magnets.toml", "calibration.toml"})
     WriteSettings(service, name, key + " = 1\n");
   service.Start();
   TestApplication app(service);

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <utility>
 
 #include <spdlog/spdlog.h>
 
 #include "service/base/clock.h"
 #include "service/config/files/calibration_file.h"
+#include "service/config/paths.h"
+#include "service/config/text/text_file.h"
 #include "service/daemon/clients/force_properties.h"
 #include "service/daemon/devices/fault_log.h"
 #include "service/daemon/devices/fit_watch.h"
@@ -71,7 +74,12 @@ struct DeviceKeeper::Session {
 
 DeviceKeeper::DeviceKeeper(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink,
                            Service& service, EndWatch& end)
-    : options_(options), device_(device), sink_(sink), service_(service), end_(end) {}
+    : options_(options),
+      device_(device),
+      sink_(sink),
+      service_(service),
+      end_(end),
+      magnets_(config::UserMagnetsFile(), config::WriteTextFile) {}
 
 DeviceKeeper::~DeviceKeeper() { Close("the service is ending"); }
 
@@ -87,7 +95,8 @@ bool DeviceKeeper::Open() {
   reported_.clear();
   ++opened_;
   if (opened->transport->info().simulation && !IsTwin(options_.device)) spdlog::warn("SIMULATION: {}", kSimulationText);
-  const loop::TickConfig config = Calibrated(opened->serial);
+  loop::TickConfig config = Calibrated(opened->serial);
+  magnets_.Open(opened->serial, calibration_ ? calibration_->moment_Am2 : 0, config.tracker.magnets);
   Record(*opened);
   session_ =
       std::make_unique<Session>(std::move(*opened), config, calibration_ ? &*calibration_ : nullptr, options_, sink_);
@@ -100,6 +109,7 @@ bool DeviceKeeper::Open() {
       spdlog::error("{}", recorder.error());
     }
   }
+  SetRoom();
   service_.SetForceProperties(DescribeForce(config, device_));
   session_->loop.Start();
   service_.Attach(session_->loop, *session_->opened.transport);
@@ -127,10 +137,19 @@ loop::TickConfig DeviceKeeper::Calibrated(const std::string& serial) {
 void DeviceKeeper::WatchRoom() {
   RoomWatch& room = session_->room;
   const std::vector<RoomFinding> before = room.findings();
-  if (!room.Add(session_->loop.room().Read())) return;
+  const loop::RoomSample& sample = session_->loop.room().Read();
+  magnets_.Add(sample.tool, static_cast<std::int64_t>(std::time(nullptr)));
+  const bool stored = magnets_.HandleWritten();
+  if (!room.Add(sample) && !stored) return;
   LogNew(room.findings(), before, spdlog::level::warn, "");
   LogNew(before, room.findings(), spdlog::level::info, "no longer: ");
-  service_.SetRoom(room.findings());
+  SetRoom();
+}
+
+void DeviceKeeper::SetRoom() {
+  std::vector<RoomFinding> findings = session_->room.findings();
+  if (magnets_.problem()) findings.push_back(*magnets_.problem());
+  service_.SetRoom(std::move(findings));
 }
 
 void DeviceKeeper::WatchFit() {

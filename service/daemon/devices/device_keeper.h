@@ -7,6 +7,7 @@
 
 #include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
+#include "service/daemon/devices/magnet_book.h"
 #include "service/daemon/devices/open_device.h"
 #include "service/daemon/end_watch.h"
 #include "service/daemon/run.h"
@@ -34,6 +35,7 @@ class DeviceKeeper {
   struct Session;
   loop::TickConfig Calibrated(const std::string& serial);
   void WatchRoom();
+  void SetRoom();
   void WatchFit();
   void Record(OpenedDevice& opened);
   void WatchRecording();
@@ -45,6 +47,7 @@ class DeviceKeeper {
   loop::TickSink& sink_;
   Service& service_;
   EndWatch& end_;
+  MagnetBook magnets_;
   std::unique_ptr<Session> session_;
   std::string calibration_path_;                  // in use; empty: nominal geometry
   std::optional<base::Calibration> calibration_;  // in use

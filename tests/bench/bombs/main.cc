@@ -170,7 +170,8 @@ void RunSettings(const Options& options, const fs::path& folder) {
   for (const NamedText& text :
        {NamedText{"a key of 40,000 parts", dotted + " = 1\n"},
         NamedText{"a table of 40,000 parts", "[" + dotted + "]\n"}, NamedText{"arrays 40,000 deep", arrays}}) {
-    for (const char* file : {"apps.d/bomb.toml", "inputs.toml", "alignments.toml", "calibration.toml"}) {
+    for (const char* file :
+         {"apps.d/bomb.toml", "inputs.toml", "alignments.toml", "magnets.toml", "calibration.toml"}) {
       const fs::path home = folder / "settings";
       fs::remove_all(home);
       Write(home / "config/omni" / file, text.text);
