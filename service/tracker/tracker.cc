@@ -259,6 +259,7 @@ double ModelErrorOf(const base::Calibration& calibration, double nominal) {
 Config MakeConfig(const base::Calibration& calibration) {
   Config config;
   config.model = MakeModel(calibration);
+  if (!SteelMatters(config.model)) config.model.steel.strength = 0;
   config.trust.coil_error_relative = kCalibratedCoils;
   config.trust.model_error_relative = kModelErrorMin;
   config.doubt.model_error_start = std::min(ModelErrorOf(calibration, Trust{}.model_error_relative), kDrawnError);

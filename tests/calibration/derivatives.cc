@@ -123,7 +123,7 @@ TEST(CalibrationDerivatives, CostGradientMatchesFiniteDifferences) {
   const Small small(5);
   Problem problem(small.nominal, small.device.coils, small.recording, small.tolerances);
   Parameters parameters(problem.nominal(), small.tolerances);
-  parameters.FreeSteelDepth(true);
+  parameters.SetSteelFit(SteelFit::kStrengthAndDepth);
   problem.FollowCore(parameters, small.instants);
   EXPECT_GT(problem.observations()[1].kept.col(0).norm(), 0.1);
   EXPECT_GT(problem.observations().back().kept.col(1).norm(), 0.1);

@@ -16,7 +16,9 @@ constexpr int kRoundsMax = 4;         // of weights
 constexpr double kSettled = 0.1;      // largest change of a weight that needs no further round
 constexpr double kTouchGate = 9;      // chi2 of a touch that keeps its full weight
 constexpr double kTouchDoubt = 1e-6;  // weight of touches at first: a rest in the air must not bend the array
-constexpr double kSteelSigmas = 3;    // steel seen with less does not count
+// Steel seen with less does not count; nor does a weaker plane, as one at kSteelDepth_m: it moves no pose by .05 mm,
+// and sensors that are not straight pass for one.
+constexpr double kSteelSigmas = 3, kSteelLeast = 0.008;
 constexpr double kLeapMax_m = 0.02, kLeapMax_rad = 0.5;
 constexpr int kStack = 32;  // samples eliminated at a time
 
@@ -136,8 +138,8 @@ bool SettleWeights(Problem& problem, int iterations_max, Adjustment& state) {
 }
 
 // From `state`, in so many more iterations. True: converged, and steel is seen.
-bool Settle(Problem& problem, bool free_depth, int iterations_max, Adjustment& state) {
-  state.parameters.FreeSteelDepth(free_depth);
+bool Settle(Problem& problem, SteelFit steel, int iterations_max, Adjustment& state) {
+  state.parameters.SetSteelFit(steel);
   state.converged = SettleWeights(problem, state.iterations + iterations_max, state);
   state.covariance = Covariance(state.system);
   return state.converged && SeesSteel(state);
@@ -171,7 +173,10 @@ Reduced Eliminate(const System& system, double damping) {
 
 bool SeesSteel(const Adjustment& adjustment) {
   const int at = adjustment.parameters.shared_at() + kSteelAt;
-  return std::abs(adjustment.parameters.x()[at]) > kSteelSigmas * std::sqrt(adjustment.covariance(at, at));
+  const base::SteelPlane steel = adjustment.parameters.Steel();
+  const double as_near = std::abs(steel.strength) * std::pow(kSteelDepth_m / std::abs(steel.height_base_m), 3);
+  return as_near > kSteelLeast &&
+         std::abs(adjustment.parameters.x()[at]) > kSteelSigmas * std::sqrt(adjustment.covariance(at, at));
 }
 
 Adjustment AdjustOnce(const Problem& problem, Parameters parameters, std::vector<Instant> instants,
@@ -183,16 +188,19 @@ Adjustment AdjustOnce(const Problem& problem, Parameters parameters, std::vector
 }
 
 // With the steel's depth free the search may end in a valley in which a weak plane has no depth; with it held, far from
-// a plane that is near: the result that sees steel counts.
+// a plane that is near: the result that sees steel counts. If none does, all else is fitted without steel.
 Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max) {
   Adjustment state{std::move(parameters), std::move(instants), {}, {}, 0, false};
   problem.FollowCore(state.parameters, state.instants);
   for (Observation& observation : problem.observations()) observation.touch_weight = kTouchDoubt;
-  if (Settle(problem, true, iterations_max / 2, state)) return state;
-  if (!Settle(problem, false, iterations_max, state)) return state;
+  if (Settle(problem, SteelFit::kStrengthAndDepth, iterations_max / 2, state)) return state;
+  if (!Settle(problem, SteelFit::kStrength, iterations_max, state)) {
+    if (state.converged) Settle(problem, SteelFit::kNone, iterations_max, state);
+    return state;
+  }
   const Adjustment held = state;
   const std::vector<Observation> weights = problem.observations();
-  if (Settle(problem, true, iterations_max, state)) return state;
+  if (Settle(problem, SteelFit::kStrengthAndDepth, iterations_max, state)) return state;
   problem.observations() = weights;
   return held;
 }

@@ -21,11 +21,11 @@ struct Adjustment {
 // One round: least squares with the weights that the observations have. Without covariance.
 Adjustment AdjustOnce(const Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max);
 
-// Three standard deviations. `adjustment`: with covariance.
+// Three standard deviations, and enough to matter. `adjustment`: with covariance.
 bool SeesSteel(const Adjustment& adjustment);
 
-// Rounds until the weights settle, the steel's depth free; with the depth held if no steel is seen so.
-// `problem`: weights of its observations are changed.
+// Rounds until the weights settle, the steel's depth free; with the depth held if no steel is seen so, and without
+// steel if none is seen so either. `problem`: weights of its observations are changed.
 Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max);
 
 // H and g with the samples eliminated; damping multiplies the diagonals. (7)

@@ -135,13 +135,19 @@ base::SteelPlane Parameters::Steel() const {
           -kSteelDepth_m * std::exp(tolerances_.steel_depth * x[kSteelDepthAt])};
 }
 
-void Parameters::FreeSteelDepth(bool free) {
-  steel_depth_free_ = free;
-  if (!free) x_.tail<kShared>()[kSteelDepthAt] = 0;
+void Parameters::SetSteelFit(SteelFit fit) {
+  steel_fit_ = fit;
+  auto x = x_.tail<kShared>();
+  if (fit != SteelFit::kStrengthAndDepth) x[kSteelDepthAt] = 0;
+  if (fit == SteelFit::kNone) x[kSteelAt] = 0;
+}
+
+double Parameters::SteelStrengthStep() const {
+  return steel_fit_ == SteelFit::kNone ? 0.0 : tolerances_.steel_strength;
 }
 
 double Parameters::SteelHeightStep_m() const {
-  return steel_depth_free_ ? tolerances_.steel_depth * Steel().height_base_m : 0.0;
+  return steel_fit_ == SteelFit::kStrengthAndDepth ? tolerances_.steel_depth * Steel().height_base_m : 0.0;
 }
 
 double Parameters::CoilStrength(int coil) const {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,9 @@ struct SensorState {
   Eigen::Matrix3d gain;     // E nominal
 };
 
+// Unknowns of the steel under the base. Steel of no strength has no place.
+enum class SteelFit : std::uint8_t { kNone, kStrength, kStrengthAndDepth };
+
 class Parameters {
  public:
   Parameters(const base::Calibration& nominal, const Tolerances& tolerances);
@@ -58,9 +62,10 @@ class Parameters {
   Eigen::Vector2d Kept() const;    // by the core of a motion, in units of Tolerances::remanence_A
   double Kept_A() const;           // of a pen that moves
   base::SteelPlane Steel() const;  // height above the core's centre
-  // Held at kSteelDepth_m, as at first, the depth is no unknown: steel of no strength has no place.
-  void FreeSteelDepth(bool free);
-  double SteelHeightStep_m() const;                          // derivative of Steel()'s height by its unknown
+  // What is no unknown is held: the depth at kSteelDepth_m, as at first, the strength at none.
+  void SetSteelFit(SteelFit fit);
+  double SteelStrengthStep() const;                          // derivative of Steel()'s strength by its unknown ...
+  double SteelHeightStep_m() const;                          // ... and of its height
   double CoilStrength(int coil) const;                       // factor
   Eigen::Vector3d CoilTilt(int coil) const;                  // rotation vector, B
   Eigen::Matrix<double, 3, 2> CoilTiltAxes(int coil) const;  // perpendicular to the coil's axis
@@ -82,7 +87,7 @@ class Parameters {
   Tolerances tolerances_;
   int sensors_;
   Eigen::VectorXd x_;
-  bool steel_depth_free_ = false;
+  SteelFit steel_fit_ = SteelFit::kStrength;
   std::array<Eigen::Vector3d, base::kCoilCount> coil_axes_{Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
                                                            Eigen::Vector3d::UnitZ()};
 };

@@ -72,7 +72,7 @@ Residual Compare(const Parameters& parameters, const ArrayState& array, std::siz
   shared.middleCols<3>(kAmbientAt) = t.ambient_T * sensor.gain;
   shared.middleCols<3>(kAmbientDriftAt) = (t.ambient_T * tau) * sensor.gain;
   shared.middleCols<kSteelAt - kHullAt>(kHullAt).setZero();
-  shared.col(kSteelAt) = (t.steel_strength * m) * (sensor.gain * steel.field.B);
+  shared.col(kSteelAt) = (parameters.SteelStrengthStep() * m) * (sensor.gain * steel.field.B);
   shared.col(kSteelDepthAt) =
       (parameters.SteelHeightStep_m() * array.steel.strength * m) * (sensor.gain * steel.by_height);
   shared.middleCols<2>(kKeptAt) = (t.core_kept_A / t.remanence_A) * (array.remanence[i] * kept);

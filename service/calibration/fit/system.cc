@@ -243,7 +243,7 @@ void Problem::AddMaps(const Parameters& parameters, System& system) const {
       J.col(n) = t.coil_strength * (sensor.gain * field.B);
       J.middleCols<2>(n + 1) = (strength * t.coil_axis_rad) * sensor.gain * field.by.leftCols<2>();
       J.middleCols<3>(n + 3) = (strength * t.core_centre_m) * sensor.gain * field.by.rightCols<3>();
-      J.col(n + 6) = (strength * t.steel_strength) * (sensor.gain * answer.field.B);
+      J.col(n + 6) = (strength * parameters.SteelStrengthStep()) * (sensor.gain * answer.field.B);
       J.col(n + 7) = (strength * steel.strength * parameters.SteelHeightStep_m()) * (sensor.gain * answer.by_height);
       J /= sigma;
       const Eigen::Matrix<double, all, all> H = J.transpose() * J;

@@ -1,11 +1,11 @@
 #include "service/tracker/kernel/steel.h"
 
-#include <Eigen/LU>
-
 #include "service/magnetics/disc_magnet.h"
 
 namespace omni::tracker {
 namespace {
+
+constexpr double kFarPen_m = 0.09;
 
 // Of the base's own field at the images of sensor i and of the core's centre, by component.
 struct AtMirror {
@@ -50,6 +50,22 @@ Rows5 Whitened(const Measurement& measurement, const Component& component) noexc
   return rows;
 }
 
+// B <- A^-1 B by elimination without pivoting: A is the pen's own normal matrix and what steel adds to it, which is
+// less. False: it is more, and there is no answer.
+bool SolveInPlace(Matrix5d A, Matrix5d& B) noexcept {
+  for (int k = 0; k < kParameters; ++k) {
+    if (!(A(k, k) > 0)) return false;
+    for (int row = 0; row < kParameters; ++row) {
+      if (row == k) continue;
+      const double factor = A(row, k) / A(k, k);
+      for (int column = k + 1; column < kParameters; ++column) A(row, column) -= factor * A(k, column);
+      for (int column = 0; column < kParameters; ++column) B(row, column) -= factor * B(k, column);
+    }
+  }
+  for (int k = 0; k < kParameters; ++k) B.row(k) /= A(k, k);
+  return B.allFinite();
+}
+
 }  // namespace
 
 SteelResponse SteelResponseOf(const Model& model, const Pose& pose, double moment_scale) noexcept {
@@ -73,9 +89,24 @@ SteelResponse SteelResponseOf(const Model& model, const Pose& pose, double momen
   return answer;
 }
 
+bool SteelMatters(const Model& model) noexcept {
+  if (!HasSteel(model)) return false;
+  const Pose far{{0, 0, kFarPen_m}, -Eigen::Vector3d::UnitZ()};
+  const LocalField steel_T = SteelResponseOf(model, far, 1).field_T;
+  ModelField pen;
+  EvaluateField(model, MakePosePoint(far), pen);
+  double steel_T2 = 0, pen_T2 = 0;
+  for (const auto& row : steel_T) {
+    for (const double field_T : row) steel_T2 += field_T * field_T;
+  }
+  for (const double field_T : pen.field_sensor_T) pen_T2 += field_T * field_T;
+  return !(steel_T2 <= kSteelShare * kSteelShare * pen_T2);
+}
+
 // With J, D the derivatives of the pen's field and of steel's answer, whitened, and x0 the pose `expected`: the fit x
 // satisfies J (x - x*) = D (x* - x0), so that with G = (J^T J)^-1 J^T D
 //   x* = x0 + (1 + G)^-1 (x - x0),   C* = (1 + G)^-1 C (1 + G)^-T                         docs/theory/tracking.md (21)
+//   (1 + G)^-1 = (J^T J + J^T D)^-1 J^T J
 void CorrectForSteel(const Model& model, const Measurement& measurement, const Pose& expected,
                      const SteelResponse& answer, Fit& fit) noexcept {
   BlockField tool;
@@ -85,9 +116,8 @@ void CorrectForSteel(const Model& model, const Measurement& measurement, const P
   });
   const Rows5 D =
       Whitened(measurement, [&](std::size_t k, std::size_t c, std::size_t i) { return answer.derivative[k][c][i]; });
-  const Matrix5d G = (J.transpose() * J).inverse() * (J.transpose() * D);
-  const Matrix5d correct = (Matrix5d::Identity() + G).inverse();
-  if (!correct.allFinite()) return;
+  Matrix5d correct = J.transpose() * J;
+  if (!SolveInPlace(correct + J.transpose() * D, correct)) return;
   const auto basis = magnetics::MakeTangentBasis(expected.axis_base);
   Eigen::Matrix<double, kParameters, 1> step;
   step.head<3>() = fit.pose.position_base_m - expected.position_base_m;
