@@ -24,9 +24,11 @@ using Eigen::Vector3d;
 constexpr double kPredictMax_s = 0.020;
 constexpr double kCurrentStepMax_A = 1e3;
 constexpr double kForgetMax_s = 1e6;
-constexpr double kCalibratedError = 0.01;    // of the model: beyond, something other than the calibration is wrong
-constexpr double kCalibratedCoils = 6e-4;    // of the coils' field, whose maps were measured
-constexpr double kDrawnError = 0.05;         // of an uncalibrated base: 1 mm, 1.5 %, 1.15 degrees
+constexpr double kCalibratedError = 0.01;  // of the model: beyond, something other than the calibration is wrong
+constexpr double kCalibratedCoils = 6e-4;  // of the coils' field, whose maps were measured
+constexpr double kDrawnError = 0.05;       // of an uncalibrated base: 1 mm, 1.5 %, 1.15 degrees
+constexpr double kDrawnLowerBelow = 0.6;   // of its chi2 per degree of freedom: at one place it is lower by chance
+constexpr double kDrawnSame_rad = 2, kDrawnSame_s = 1e3;
 constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
 constexpr double kTypicalRadius_m = 0.065;   // from the pen to the core
 constexpr double kModelErrorMin = 1e-3;      // of a calibrated base, once its readings have been evaluated
@@ -273,6 +275,11 @@ Config MakeConfig(const base::DeviceGeometry& device) {
   Config config = MakeConfig(magnetics::NominalCalibration(device));
   config.trust = Trust{};
   config.doubt.model_error_max = config.doubt.cold_error_max = kDrawnError;
+  config.doubt.lower_below = kDrawnLowerBelow;
+  // A sensor that is turned or out of place has the same error over most of the reach, for as long as it is there.
+  config.drift.same_error_m = kTypicalDistance_m;
+  config.drift.same_error_rad = kDrawnSame_rad;
+  config.drift.same_error_s = kDrawnSame_s;
   config.stray.enabled = false;    // its own errors would pass for a magnet ...
   config.magnets.enabled = false;  // ... or for another pen
   return config;

@@ -11,6 +11,7 @@ namespace omni::sim {
 namespace {
 
 constexpr double kPeakOfMean = 1.875;  // speed of minimum jerk [Flash, Hogan 1985]
+constexpr double kAbove_m = 0.084;     // of the magnet's centre
 constexpr double kTap_m = 0.012, kTap_s = 0.06;
 constexpr double kPress_m = 0.002;  // into the hull, against the hand's spring
 constexpr double kTurn_rad_s = 5;   // greatest
@@ -43,8 +44,14 @@ class Writer {
   }
 
   HandScript Run() {
-    place_ = Draw();
-    Go(place_, 0);
+    if (options_.above_s > 0) {
+      const Place above{{0, 0, kAbove_m}, {0, 0, -1}};
+      Go(above, 0);
+      Go(above, options_.above_s);
+      MoveTo(Draw());
+    } else {
+      Go(Draw(), 0);
+    }
     while (script_.duration_s() < options_.duration_s) {
       const double what = random_.Uniform();
       if (what < 0.70) {

@@ -15,6 +15,7 @@ struct OrdinaryHandOptions {
   double tilt_max_rad = 0.7853981633974483;
   double speed_min_m_s = 0.1, speed_max_m_s = 0.5;  // greatest of a movement
   double tremor_m = 0.1e-3;
+  double above_s = 0;  // at first, at rest above the base with the tip down, as the hands of the shipped scenes begin
 };
 
 HandScript MakeOrdinaryHand(const base::DeviceGeometry& device, const OrdinaryHandOptions& options);

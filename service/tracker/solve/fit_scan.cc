@@ -22,6 +22,8 @@ constexpr double kSurelyKnown_m2 = 25e-6;  // trace: with so much that may be wr
 // A correct first pose is known this well (trace); where its chi2 exceeds this per degree of freedom, any other ambient
 // field saves less than kFieldSaves.
 constexpr double kKnown_m2 = 225e-6, kOddly = 1.5, kFieldSaves = 22;
+// The same of an uncalibrated base in any ambient field: a pen that points straight down on it is known to 20 mm.
+constexpr double kDrawnKnown_m2 = 2500e-6;
 constexpr double kNoFit = 1e6;  // chi2
 // The search for another pen's moment: places of the grid to start from; steps, their greatest size, and the last one's
 // in standard deviations.
@@ -32,6 +34,13 @@ constexpr double kMomentMin = 0.1, kMomentMax = 3;    // where it may lead, to s
 constexpr double kSimpler = 4;  // of chi2: so much less does not make any other field likelier than another pen
 
 double PositionVariance(const Fit& fit) noexcept { return fit.covariance.topLeftCorner<3, 3>().trace(); }
+
+// Of an uncalibrated base: with less of an error than its sensors have, a fit that just passes the gate looks many
+// times as certain as it is.
+bool IsHonest(const Config& config, const Measurement& measurement, const Doubt& doubt, const Fit& fit) noexcept {
+  return fit.chi2 <= config.doubt.raise_above * DegreesOfFreedom(measurement) ||
+         doubt.model_error >= config.doubt.cold_error_max;
+}
 
 bool FitsReadings(const Config& config, const Measurement& measurement, const Fit& fit) noexcept {
   const int dof = DegreesOfFreedom(measurement);
@@ -398,7 +407,8 @@ Outcome TryColdHypothesis(const ScanContext& context, State& state, Measurement&
     state.belief = 0;
     return outcome;
   }
-  if (belief >= kFirstDoubled) {
+  const bool doubled = belief >= kFirstDoubled;
+  if (doubled) {
     const double error = std::max(doubt.model_error, config.trust.model_error_relative);
     doubt.model_error = std::min(std::ldexp(error, belief - kFirstDoubled + 1), config.doubt.cold_error_max);
   }
@@ -407,7 +417,10 @@ Outcome TryColdHypothesis(const ScanContext& context, State& state, Measurement&
   Blame(config.doubt, left_out ? belief - kFirstLeftOut : -1, doubt);
   measurement = MeasureScan(context, drift, doubt);
   Outcome outcome = TryCold(context, drift, doubt, measurement);
-  outcome.good = outcome.good && PositionVariance(outcome.fit) <= kSurelyKnown_m2;
+  const double variance_m2 = PositionVariance(outcome.fit);
+  outcome.good =
+      outcome.good && (doubled ? variance_m2 <= kDrawnKnown_m2 && IsHonest(config, measurement, doubt, outcome.fit)
+                               : variance_m2 <= kSurelyKnown_m2);
   MeetMagnet(context, state.drift, doubt, drift, measurement, outcome, state.magnet);
   if (!outcome.good) return outcome;
   state.drift = drift;

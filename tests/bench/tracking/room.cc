@@ -38,6 +38,7 @@ constexpr double kTracked_mm = 3;      // 3 sigma of a pose that counts as track
 constexpr double kRecovered_s = 0.05;  // tracked for so long
 constexpr double kForce_N = 0.3;       // a smaller one is not judged
 constexpr double kPushed_N = 0.02;     // a larger one can be felt
+constexpr double kAbove_s = 1;         // as-drawn: the pen rests above the base at first
 constexpr double kBox_m = 0.12, kBoxTop_m = 0.03;
 
 struct Tally {
@@ -158,9 +159,10 @@ base::Result<haptics::Scene> Box() {
 
 // The whole loop: the tick renders the box, and the hand yields to the coils' true force.
 void PressBox(const base::DeviceGeometry& device, const loop::TickConfig& config, const TruthParameters& truth,
-              std::uint64_t seed, std::uint64_t motion_seed, double run_s, const haptics::Scene& scene, Judge& judge) {
-  sim::PlantOptions plant{.seed = seed,
-                          .script = sim::MakeOrdinaryHand(device, {.seed = motion_seed + 2, .duration_s = run_s})};
+              std::uint64_t seed, sim::OrdinaryHandOptions hand, double run_s, const haptics::Scene& scene,
+              Judge& judge) {
+  hand.duration_s = run_s;
+  sim::PlantOptions plant{.seed = seed, .script = sim::MakeOrdinaryHand(device, hand)};
   plant.truth = truth;
   sim::Loopback base(device, plant);
   const auto state = std::make_unique<loop::LoopState>();
@@ -223,7 +225,10 @@ class BaseInRooms {
     }
     Judge waved(conditions.front()->settle_s), pressed(conditions.front()->settle_s);
     TrackWave(device_, (**config->second).tracker, truth, seed_, motion_seed, run_s, waved);
-    PressBox(device_, **config->second, truth, seed_, motion_seed, run_s, scene_, pressed);
+    // Who starts an uncalibrated base holds the pen above it.
+    const sim::OrdinaryHandOptions hand{.seed = motion_seed + 2,
+                                        .above_s = conditions.front()->as_drawn ? kAbove_s : 0};
+    PressBox(device_, **config->second, truth, seed_, hand, run_s, scene_, pressed);
     return {waved.Finish(conditions.front()->events_s), pressed.Finish(conditions.front()->events_s)};
   }
 
