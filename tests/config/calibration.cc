@@ -9,6 +9,9 @@
 #include <iterator>
 #include <random>
 
+#include <stdlib.h>
+
+#include "service/config/paths.h"
 #include "tests/support/process/temp_folder.h"
 #include "tests/support/rig/example_calibration.h"
 
@@ -313,6 +316,35 @@ TEST(ConfigCalibration, ChoosesAMatchingFileOrReportsWhyNot) {
   const CalibrationChoice missing = ChooseCalibration(folder.Path("none.toml"), NominalBase());
   EXPECT_FALSE(missing.file.has_value());
   ExpectMentions(missing.problem, {"none.toml", "cannot be read"});
+}
+
+TEST(ConfigCalibration, ShippedFileIsUsedWhereTheUserHasNoneOfThisBase) {
+  const test::TempFolder folder;
+  const char* const home = ::getenv("XDG_CONFIG_HOME");
+  const std::string before = home == nullptr ? std::string() : home;
+  ::setenv("XDG_CONFIG_HOME", folder.Path("home").c_str(), 1);
+  const ExpectedBase twin = NominalBase();
+  const std::string shipped = folder.Path("shipped.toml");
+  ASSERT_TRUE(SaveCalibrationFile(shipped, ExampleCalibration(), twin, false).ok());
+
+  const CalibrationChoice first = ChooseCalibration({}, twin, shipped);
+  EXPECT_TRUE(first.file && first.shipped && first.path == shipped) << first.problem;
+  EXPECT_TRUE(ChooseCalibration({}, twin).path.empty()) << "never calibrated";
+
+  CalibrationFile other = ExampleCalibration();
+  other.serial = "A17";
+  ASSERT_TRUE(SaveCalibrationFile(UserCalibrationFile(), other, NominalBase("A17"), false).ok());
+  EXPECT_TRUE(ChooseCalibration({}, twin, shipped).shipped) << "the user's is of a real base";
+  ASSERT_TRUE(SaveCalibrationFile(UserCalibrationFile(), ExampleCalibration(), twin, true).ok());
+  const CalibrationChoice own = ChooseCalibration({}, twin, shipped);
+  EXPECT_TRUE(own.file && !own.shipped && own.path == UserCalibrationFile()) << own.problem;
+  folder.Write("home/omni/calibration.toml", Changed("core_kappa = 0.9765625", "core_kappa = 0.9765"));
+  EXPECT_FALSE(ChooseCalibration({}, twin, shipped).problem.empty()) << "damaged: reported, not replaced";
+  if (before.empty()) {
+    ::unsetenv("XDG_CONFIG_HOME");
+  } else {
+    ::setenv("XDG_CONFIG_HOME", before.c_str(), 1);
+  }
 }
 
 TEST(ConfigCalibration, PreviousFileIsKeptAndCanBeRestored) {

@@ -36,11 +36,14 @@ TEST(StatusText, DescribesEachCalibrationState) {
     const std::size_t at = text.find("calibrated ");
     return text.substr(at, text.find('\n', at) - at);
   };
-  EXPECT_EQ(line({}), "calibrated none: the base uses its nominal geometry; to calibrate it: `omni calibrate`");
+  EXPECT_EQ(line({}), "calibrated never: the base uses its nominal geometry; to calibrate it: `omni calibrate`");
   nlohmann::json status = {{"calibration", {{"file", "/c.toml"}, {"date", "2026"}, {"expected_error_mm", 0.1}}},
                            {"calibration_refused", nullptr},
                            {"calibration_misfit", nullptr}};
   EXPECT_EQ(line(status), "calibrated /c.toml of 2026, expected error 0.10 mm");
+  status["calibration"]["shipped"] = true;
+  EXPECT_EQ(line(status), "calibrated shipped with the twin: /c.toml of 2026, expected error 0.10 mm");
+  status["calibration"].erase("shipped");
   status["calibration"]["note"] = "without a checksum";
   status["calibration_misfit"] = "it does not fit";
   EXPECT_EQ(

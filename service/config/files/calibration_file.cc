@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "service/base/files/whole_file.h"
 #include "service/config/files/calibration_check.h"
@@ -320,11 +321,26 @@ base::Status RestoreCalibrationFile(const std::string& path, const ExpectedBase&
   return there ? base::WriteWholeFile(previous, *current) : base::Status(base::Ok{});
 }
 
-CalibrationChoice ChooseCalibration(const std::string& path, const ExpectedBase& expected) {
+namespace {
+
+// A file of the user's for another base does not keep this one from having its own.
+bool IsOfAnotherBase(const std::string& path, ExpectedBase expected) {
+  const std::string serial = std::exchange(expected.serial, {});
+  const base::Result<CalibrationFile> file = LoadCalibrationFile(path, expected);
+  return file.ok() && file->serial != serial;
+}
+
+}  // namespace
+
+CalibrationChoice ChooseCalibration(const std::string& path, const ExpectedBase& expected, const std::string& shipped) {
   CalibrationChoice choice;
   choice.path = path.empty() ? UserCalibrationFile() : path;
   std::error_code error;
-  if (path.empty() && (choice.path.empty() || !std::filesystem::exists(choice.path, error))) {
+  const bool none = path.empty() && (choice.path.empty() || !std::filesystem::exists(choice.path, error));
+  if (path.empty() && !shipped.empty() && (none || IsOfAnotherBase(choice.path, expected))) {
+    choice.path = shipped;
+    choice.shipped = true;
+  } else if (none) {
     choice.path.clear();
     return choice;
   }

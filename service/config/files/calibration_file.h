@@ -64,13 +64,16 @@ base::Status SaveCalibrationFile(const std::string& path, const CalibrationFile&
 // Exchanges `path` and the previous file: a second call undoes the first.
 base::Status RestoreCalibrationFile(const std::string& path, const ExpectedBase& expected);
 
-// Which calibration a program uses: `path` if given, else the user's own file if there is one.
+// Which calibration a program uses: `path` if given, else the user's own file if there is one. `shipped`: of this base,
+// if Omni has one; used where the user has none for it.
 struct CalibrationChoice {
   std::optional<CalibrationFile> file;  // none: the drawing is used
   std::string path;                     // of the file, or of the rejected one; empty: there is none
   std::string problem;                  // why an existing file is not used
   std::string note;                     // a remark about the file in use; mostly empty
+  bool shipped = false;                 // the file is Omni's
 };
-CalibrationChoice ChooseCalibration(const std::string& path, const ExpectedBase& expected);
+CalibrationChoice ChooseCalibration(const std::string& path, const ExpectedBase& expected,
+                                    const std::string& shipped = {});
 
 }  // namespace omni::config

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
+#include <system_error>
 
 #include "service/base/limits.h"
 #include "service/config/files/built_in_device.h"
+#include "service/config/paths.h"
 #include "service/config/text/text_file.h"
 #include "service/config/text/toml_reader.h"
 
@@ -288,6 +291,13 @@ base::Result<base::TruthParameters> FindTwin(const std::string& name_or_file) {
   if (name_or_file == kNames[0]) return IdealTwin();
   if (name_or_file == kNames[1]) return RoomTwin();
   return LoadTwinFile(name_or_file);
+}
+
+std::string ShippedCalibration(const std::string& twin, std::uint64_t seed) {
+  if (seed != kShippedSeed || !(twin.empty() || twin == kNames[1])) return {};
+  const std::string path = DataFolder() + "/device/twin_calibration.toml";
+  std::error_code error;
+  return std::filesystem::exists(path, error) ? path : std::string();
 }
 
 // The room has only what is different, and a file may, too.

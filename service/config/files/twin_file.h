@@ -2,6 +2,7 @@
 // `based_on = "ideal"` or "room" has only what is different.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "service/base/result.h"
@@ -20,6 +21,11 @@ inline constexpr const char* kTwinHelp =
     "simulated base and room: room (the default), ideal, or a file like those in share/omni/device";
 inline constexpr const char* kIdeal = "ideal";
 inline constexpr const char* kIdealHelp = "short for --twin ideal: a well calibrated base with nothing nearby";
+
+// The calibration of the default twin's base that Omni ships (manifests/device/twin_calibration.toml): of seed 1, in
+// the room. Empty: of another twin, or it is not installed.
+inline constexpr std::uint64_t kShippedSeed = 1;
+std::string ShippedCalibration(const std::string& twin, std::uint64_t seed);
 
 // All the text that FindTwin's result depends on, as a key for what is computed from it and stored.
 base::Result<std::string> TextOfTwin(const std::string& name_or_file);

@@ -66,6 +66,7 @@ json Calibration(const config::CalibrationChoice& choice) {
           {"date", choice.file->date},
           {"serial", choice.file->serial},
           {"note", TextOrNull(choice.note)},
+          {"shipped", choice.shipped},
           {"expected_error_mm", choice.file->quality.expected_error_mm}};
 }
 

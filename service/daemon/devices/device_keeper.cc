@@ -9,6 +9,7 @@
 
 #include "service/base/clock.h"
 #include "service/config/files/calibration_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/config/paths.h"
 #include "service/config/text/text_file.h"
 #include "service/daemon/clients/force_properties.h"
@@ -24,16 +25,19 @@ namespace {
 
 constexpr int kReopenPolls = 10;  // one second between attempts to open a device
 
-// `path`: of the calibration in use; empty: nominal geometry. `share`: of the time, without an explanation.
-std::string MisfitText(const std::string& path, double share) {
-  const std::string what = path.empty() ? "the nominal geometry" : path;
-  const std::string again = path.empty() ? "measure this base: omni calibrate"
-                                         : "measure this base again: omni calibrate --replace, or restore the previous "
-                                           "file: omni calibrate --restore";
-  return what + " does not fit this base: a magnet is near, and " + std::to_string(std::lround(100 * share)) +
+// `path`: of the calibration in use; empty: none, and `never` was there one. `share`: of the time, without an
+// explanation.
+std::string MisfitText(const std::string& path, bool never, double share) {
+  const std::string percent = std::to_string(std::lround(100 * share));
+  if (path.empty()) {
+    const std::string why = never ? "this base was never calibrated" : "this base's calibration is not used";
+    return why + ", and its nominal geometry does not fit: " + percent +
+           " % of the time no pose explains the sensors' readings, so there is no force; measure it: omni calibrate";
+  }
+  return path + " does not fit this base: a magnet is near, and " + percent +
          " % of the time no pose explains the sensors' readings, so there is no force; take other magnets and steel "
-         "away; if that does not help, " +
-         again;
+         "away; if that does not help, measure this base again: omni calibrate --replace, or restore the previous "
+         "file: omni calibrate --restore";
 }
 
 // Logs those `findings` that are not among `others`.
@@ -123,12 +127,20 @@ bool DeviceKeeper::Open() {
 loop::TickConfig DeviceKeeper::Calibrated(const std::string& serial) {
   const config::CalibrationChoice choice = config::ChooseCalibration(
       options_.calibration_path,
-      {.device = device_, .drawing = magnetics::NominalCalibration(device_), .serial = serial});
+      {.device = device_, .drawing = magnetics::NominalCalibration(device_), .serial = serial},
+      IsTwin(options_.device) ? config::ShippedCalibration(options_.twin, options_.twin_seed) : std::string());
   if (!choice.problem.empty()) spdlog::error("calibration: {}", choice.problem);
   if (!choice.note.empty()) spdlog::warn("calibration: {}: {}", choice.path, choice.note);
-  if (choice.file) spdlog::info("calibration: {} of {}", choice.path, choice.file->date);
-  if (choice.path.empty()) spdlog::info("calibration: none; measure this base: omni calibrate");
+  if (choice.file) {
+    spdlog::info("calibration: {}{} of {}", choice.shipped ? "shipped with the twin, " : "", choice.path,
+                 choice.file->date);
+  }
+  if (choice.path.empty()) {
+    spdlog::info("calibration: never calibrated; measure this base: omni calibrate{}",
+                 IsTwin(options_.device) ? " --device twin, with the same --twin and --seed" : "");
+  }
   service_.SetCalibration(choice);
+  never_calibrated_ = choice.path.empty();
   calibration_path_ = choice.file ? choice.path : std::string();
   calibration_ = choice.file ? std::optional(choice.file->calibration) : std::nullopt;
   return choice.file ? loop::MakeTickConfig(device_, choice.file->calibration) : loop::MakeTickConfig(device_);
@@ -158,7 +170,8 @@ void DeviceKeeper::WatchFit() {
   const bool misfit = session_->fit.misfit() && !session_->room.explains_misfit();
   if (misfit == session_->misfit_reported) return;
   session_->misfit_reported = misfit;
-  const std::string text = misfit ? MisfitText(calibration_path_, session_->fit.share()) : std::string();
+  const std::string text =
+      misfit ? MisfitText(calibration_path_, never_calibrated_, session_->fit.share()) : std::string();
   service_.SetMisfit(text);
   if (misfit) {
     spdlog::error("calibration: {}", text);

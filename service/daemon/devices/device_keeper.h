@@ -51,6 +51,7 @@ class DeviceKeeper {
   std::unique_ptr<Session> session_;
   std::string calibration_path_;                  // in use; empty: nominal geometry
   std::optional<base::Calibration> calibration_;  // in use
+  bool never_calibrated_ = false;                 // there is no file, nor was one refused
   std::string reported_;                          // the last error logged, not repeated every second
   int opened_ = 0;
   int polls_ = 0;  // since it was lost

@@ -75,7 +75,7 @@ export interface Status {
     faults?: string[];
     waits_for_person?: boolean;
   };
-  calibration?: { file: string; date: string; serial: string; note: string | null; expected_error_mm: number } | null;
+  calibration?: { file: string; date: string; serial: string; note: string | null; shipped?: boolean; expected_error_mm: number } | null;
   calibration_refused?: string | null;
   calibration_misfit?: string | null;
   room?: { kind: string; sensors: number[]; what: string; fix: string }[];

@@ -43,6 +43,9 @@ base::Result<base::Calibration> KeptTwinCalibration(const base::DeviceGeometry& 
   if (!truth.ok()) return base::Error{truth.error()};
   const std::string serial = "twin-" + std::to_string(seed);
   const config::ExpectedBase of{.device = device, .drawing = magnetics::NominalCalibration(device), .serial = serial};
+  if (const std::string shipped = config::ShippedCalibration(twin, seed); !shipped.empty()) {
+    if (const auto file = config::LoadCalibrationFile(shipped, of); file.ok()) return file->calibration;
+  }
   const auto text = config::TextOfTwin(twin);
   if (!text.ok()) return base::Error{text.error()};
   char known_by[32];

@@ -14,8 +14,8 @@ namespace omni::tools {
 // With today's date.
 config::CalibrationFile CalibrationFileOf(const calibration::Outcome& outcome, const std::string& serial);
 
-// Of the twin (a simulation) with this seed and these parameters, as config::FindTwin takes them: from the cache
-// folder, or measured as `omni calibrate` does (half a minute) and cached there.
+// Of the twin (a simulation) with this seed and these parameters, as config::FindTwin takes them: the one that Omni
+// ships, else from the cache folder, or measured as `omni calibrate` does (half a minute) and cached there.
 base::Result<base::Calibration> KeptTwinCalibration(const base::DeviceGeometry& device, std::uint64_t seed,
                                                     const std::string& twin);
 

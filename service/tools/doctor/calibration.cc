@@ -7,6 +7,11 @@
 #include "service/tools/doctor/diagnosis.h"
 
 namespace omni::tools {
+namespace {
+
+constexpr const char* kCalibrate = "calibrate it: omni calibrate";
+
+}  // namespace
 
 Finding CheckCalibration(const Surroundings& surroundings) {
   const auto& status = surroundings.service.status;
@@ -15,14 +20,18 @@ Finding CheckCalibration(const Surroundings& surroundings) {
   }
   if (DeviceName(status) == "-") return {Verdict::kWarn, "unknown without a device", "fix \"device\" first"};
   const std::string refused = TextAt(status, "/calibration_refused"), file = TextAt(status, "/calibration/file");
+  const bool never = refused == "-" && file == "-";
   if (const std::string misfit = TextAt(status, "/calibration_misfit"); misfit != "-") {
     return {Verdict::kFail, misfit,
-            "move other magnets and steel away, then calibrate again: omni calibrate --replace"};
+            never ? kCalibrate : "move other magnets and steel away, then calibrate again: omni calibrate --replace"};
   }
   if (refused != "-") return {Verdict::kWarn, refused, "omni calibrate --replace, or omni calibrate --restore"};
-  if (file == "-") return {Verdict::kWarn, "none: the base uses its nominal geometry", "calibrate it: omni calibrate"};
+  if (never) return {Verdict::kWarn, "never calibrated: the base uses its nominal geometry", kCalibrate};
+  const std::string shipped = TrueAt(status, "/calibration/shipped") ? "shipped with the twin: " : "";
   const std::string note = TextAt(status, "/calibration/note");
-  return {Verdict::kOk, file + " of " + TextAt(status, "/calibration/date") + (note == "-" ? "" : ", " + note), {}};
+  return {Verdict::kOk,
+          shipped + file + " of " + TextAt(status, "/calibration/date") + (note == "-" ? "" : ", " + note),
+          {}};
 }
 
 }  // namespace omni::tools

@@ -1,11 +1,10 @@
 #include "service/tools/monitor/trial_service.h"
 
-#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <vector>
 
-#include "service/config/paths.h"
+#include "service/config/files/twin_file.h"
 
 namespace omni::tools {
 namespace {
@@ -23,12 +22,6 @@ std::string LogOf(const std::string& folder) { return folder + "/omnid.log"; }
 
 }  // namespace
 
-std::string TwinCalibration() {
-  const std::string path = config::DataFolder() + "/device/twin_calibration.toml";
-  std::error_code error;
-  return std::filesystem::exists(path, error) ? path : std::string();
-}
-
 base::Result<std::unique_ptr<TrialService>> TrialService::Start() {
   base::Result<PrivateFolder> folder = PrivateFolder::Make("omni-try");
   if (!folder.ok()) return base::Error{folder.error()};
@@ -36,7 +29,7 @@ base::Result<std::unique_ptr<TrialService>> TrialService::Start() {
   std::vector<std::string> words = {"--device",    "twin",         "--socket",     in + kSocketName,
                                     "--twin-hand", in + kHandName, "--alignments", in + "/alignments.toml",
                                     "--log-level", "warn",         "--stop-file",  in + "/emergency_stop.toml"};
-  if (const std::string calibration = TwinCalibration(); !calibration.empty()) {
+  if (const std::string calibration = config::ShippedCalibration({}, config::kShippedSeed); !calibration.empty()) {
     words.insert(words.end(), {"--calibration", calibration});
   }
   base::Result<ChildProgram> omnid = ChildProgram::Start("omnid", words, LogOf(in));

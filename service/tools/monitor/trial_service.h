@@ -32,7 +32,4 @@ class TrialService {
   ChildProgram omnid_;
 };
 
-// The calibration of the digital twin's base of seed 1 that Omni ships (manifests/device). Empty: there is none.
-std::string TwinCalibration();
-
 }  // namespace omni::tools

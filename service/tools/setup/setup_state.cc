@@ -70,11 +70,12 @@ StepState DeviceState(const json& status) {
 StepState CalibrationState(const json& status) {
   if (const std::string why = base::StringAt(status, "/calibration_refused"); !why.empty()) return Known(false, why);
   if (const std::string date = base::StringAt(status, "/calibration/date"); !date.empty()) {
-    return Known(true, "of " + date.substr(0, 10) + ", serial " + base::StringAt(status, "/calibration/serial"));
+    const std::string what = "of " + date.substr(0, 10) + ", serial " + base::StringAt(status, "/calibration/serial");
+    return Known(true, (TrueAt(status, "/calibration/shipped") ? "shipped with the twin, " : "") + what);
   }
   const std::string file = config::UserCalibrationFile();
   if (status.is_null() && IsThere(file)) return Known(true, file);
-  return Known(false, "the nominal geometry is used, with less force");
+  return Known(false, "never calibrated: the nominal geometry is used, with less force");
 }
 
 StepState AlignmentState(const json& /*status*/) {

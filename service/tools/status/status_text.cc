@@ -114,9 +114,10 @@ std::string CalibrationLine(const json& status) {
   if (TextAt(status, "/calibration_refused") != "-") {
     return "no: the file was rejected (see problem), the base uses its nominal geometry" + misfit;
   }
-  if (file == "-") return "none: the base uses its nominal geometry; to calibrate it: `omni calibrate`" + misfit;
+  if (file == "-") return "never: the base uses its nominal geometry; to calibrate it: `omni calibrate`" + misfit;
   const std::string note = TextAt(status, "/calibration/note");
-  return file + " of " + TextAt(status, "/calibration/date") + ", expected error " +
+  return (TrueAt(status, "/calibration/shipped") ? "shipped with the twin: " : "") + file + " of " +
+         TextAt(status, "/calibration/date") + ", expected error " +
          TextAt(status, "/calibration/expected_error_mm", 2) + " mm" + (note == "-" ? "" : ", " + note) + misfit;
 }
 

@@ -122,7 +122,7 @@ function ofCalibration(status: Status): Finding[] {
   if (status.calibration_refused) {
     found.push({ key: 'refused', severity: 'warning', what: sentence(status.calibration_refused), fix: again });
   } else if (status.calibration === null) {
-    const what = 'Not calibrated: the pen is tracked less well, with less force.';
+    const what = 'Never calibrated: the pen is tracked less well, with less force.';
     found.push({ key: 'uncalibrated', severity: 'hint', what, fix: again });
   }
   if (status.calibration_misfit) {
