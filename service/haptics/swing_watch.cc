@@ -46,7 +46,7 @@ constexpr double kStep_s = 4.5e-3;  // the speed over less is mostly noise
 constexpr double kFall = 0.2, kGainMin = 0.01, kLeft_N_m = 5;
 constexpr double kHeld = 0.08;   // and gets back at most this share while it touches
 constexpr double kLeft_s = 0.1;  // in the air: forgotten
-constexpr double kIdle_s = 0.5, kIdle_N = 0.1, kRise_s = 0.3, kForget_s = 500;
+constexpr double kIdle_s = 0.5, kIdle_N = 0.05, kRise_s = 0.3, kForget_s = 500;
 // After a cut, a swing that was fed has died away by the second window to less than this share of the first.
 constexpr double kFirst_s[] = {0.3, 0.8}, kSecond_s[] = {1.5, 2.0}, kGoesOn = 0.6;
 
