@@ -192,8 +192,7 @@ void ControlLoop::Admit(UniqueFd socket) {
   ProcessWatch process = WatchProcess(socket.get(), credentials.pid);
   if (process.already_dead) return;
   const ClientId id = next_id_++;
-  Peer& peer =
-      peers_.try_emplace(id, id, std::move(socket), std::move(process.fd), credentials.pid, now_ns).first->second;
+  Peer& peer = peers_.try_emplace(id, id, std::move(socket), std::move(process), credentials.pid, now_ns).first->second;
   const bool watched = Watch(peer.socket(), Token(Source::kSocket, id)).ok() &&
                        (peer.process() < 0 || Watch(peer.process(), Token(Source::kProcess, id)).ok());
   if (!watched) Refuse(peer, "omnid cannot watch another client");
@@ -278,6 +277,7 @@ void ControlLoop::OnTimer() {
   if (::read(timer_.get(), &expirations, sizeof(expirations)) < 0) return;
   const std::int64_t now_ns = base::MonotonicNow_ns();
   for (auto& [id, peer] : peers_) {
+    if (peer.greeted() && peer.info().role == protocol::ClientRole::kApplication && peer.IsKilled()) peer.Doom({});
     if (!peer.greeted() && now_ns - peer.accepted_ns() > options_.hello_timeout_ns) peer.Doom("no Hello in time");
   }
   Guarded("OnPeriod", nullptr, [&] { handler_.OnPeriod(now_ns); });

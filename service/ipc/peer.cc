@@ -1,12 +1,17 @@
 #include "service/ipc/peer.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <cstdio>
 #include <utility>
 
 #include "service/protocol/text.h"
@@ -18,6 +23,17 @@ using base::UniqueFd;
 using protocol::SendResult;
 
 constexpr int kSoPeerPidfd = 77;  // SO_PEERPIDFD, Linux 6.5: names the process itself, not a number that may be reused
+
+base::UniqueFd OpenStat(pid_t pid) noexcept {
+  char path[64];
+  std::snprintf(path, sizeof(path), "/proc/%d/task/%d/stat", pid, pid);
+  return UniqueFd(::open(path, O_RDONLY | O_CLOEXEC));
+}
+
+bool HasEnded(int process) noexcept {
+  pollfd wait{.fd = process, .events = POLLIN, .revents = 0};
+  return ::poll(&wait, 1, 0) == 1;
+}
 
 }  // namespace
 
@@ -31,14 +47,41 @@ Credentials CredentialsOf(int socket) noexcept {
 ProcessWatch WatchProcess(int socket, pid_t pid) noexcept {
   int fd = -1;
   socklen_t bytes = sizeof(fd);
-  if (::getsockopt(socket, SOL_SOCKET, kSoPeerPidfd, &fd, &bytes) == 0) return {UniqueFd(fd), false};
-  if (pid <= 0) return {};
-  fd = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
-  const bool dead = fd < 0 && errno == ESRCH;
-  return {UniqueFd(fd), dead};
+  ProcessWatch watch;
+  if (::getsockopt(socket, SOL_SOCKET, kSoPeerPidfd, &fd, &bytes) == 0) {
+    watch.fd.Reset(fd);
+  } else if (pid > 0) {
+    watch.fd.Reset(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
+    watch.already_dead = !watch.fd && errno == ESRCH;
+  }
+  if (!watch.fd || pid <= 0) return watch;
+  watch.stat = OpenStat(pid);
+  if (HasEnded(watch.fd.get())) watch.stat.Reset();  // the number may be another process's by now
+  return watch;
 }
 
-Peer::Peer(ClientId id, UniqueFd socket, UniqueFd process, pid_t pid, std::int64_t now_ns)
+bool IsEnding(std::string_view stat) noexcept {
+  constexpr std::uint64_t kExiting = 4;  // PF_EXITING
+  char state = 0;
+  std::uint64_t flags = 0, pending = 0;
+  // After the name, which may hold anything: the state is field 3.
+  const std::size_t name_end = stat.rfind(')');
+  if (name_end == std::string_view::npos) return false;
+  std::string_view rest = stat.substr(name_end + 1);
+  for (int field = 3; field <= 31; ++field) {
+    rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
+    const std::string_view word = rest.substr(0, rest.find(' '));
+    rest.remove_prefix(word.size());
+    if (word.empty()) return false;
+    if (field == 3) state = word.front();
+    if (field == 9) std::from_chars(word.data(), word.data() + word.size(), flags);
+    if (field == 31) std::from_chars(word.data(), word.data() + word.size(), pending);
+  }
+  // A first thread that has ended (Z) may leave others behind.
+  return (pending >> (SIGKILL - 1) & 1) != 0 || ((flags & kExiting) != 0 && state != 'Z');
+}
+
+Peer::Peer(ClientId id, UniqueFd socket, ProcessWatch process, pid_t pid, std::int64_t now_ns)
     : socket_(std::move(socket)), process_(std::move(process)), accepted_ns_(now_ns) {
   info_.id = id;
   info_.pid = pid;
@@ -70,6 +113,12 @@ bool Peer::Send(std::string_view message, int file, protocol::Delivery delivery)
   if (result == SendResult::kFull && delivery == protocol::Delivery::kOnce) ++dropped_;
   if (result == SendResult::kGone) doomed_ = true;
   return result == SendResult::kSent;
+}
+
+bool Peer::IsKilled() const noexcept {
+  char line[1024];
+  const ssize_t size = process_.stat ? ::pread(process_.stat.get(), line, sizeof(line), 0) : 0;
+  return size > 0 && IsEnding({line, static_cast<std::size_t>(size)});
 }
 
 void Peer::Doom(const std::string& reason) noexcept {

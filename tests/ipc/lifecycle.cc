@@ -3,6 +3,7 @@
 
 #include <atomic>
 
+#include "service/ipc/peer.h"
 #include "tests/ipc/fixture.h"
 
 namespace omni {
@@ -22,6 +23,22 @@ TEST(Lifecycle, KilledClientIsRemovedThoughItsChildHoldsTheSocket) {
   client.Signal(SIGKILL);
   ASSERT_TRUE(Eventually([&] { return service.handler.GoneAt_ns(id) != 0; }));
   RecordProperty("us_from_kill_to_gone", static_cast<int>((service.handler.GoneAt_ns(id) - killed_ns) / 1000));
+}
+
+// [proc_pid_stat(5)] state, flags and pending signals are fields 3, 9 and 31.
+TEST(Lifecycle, PendingKillOrBegunExitInProcIsRecognised) {
+  const auto line = [](const char* state, const char* flags, const char* pending) {
+    return "7 (a ) R name) " + std::string(state) + " 1 7 7 0 -1 " + flags +
+           " 1 0 0 0 1 1 0 0 20 0 1 0 99 4096 10 18446744073709551615 1 1 0 0 0 " + pending + " 0 0 0 0 17 1\n";
+  };
+  EXPECT_FALSE(ipc::IsEnding(line("S", "4194304", "0")));
+  EXPECT_FALSE(ipc::IsEnding(line("T", "4194304", "262144"))) << "SIGSTOP";
+  EXPECT_TRUE(ipc::IsEnding(line("S", "4194304", "256")));
+  EXPECT_TRUE(ipc::IsEnding(line("R", "4194308", "0")));
+  EXPECT_FALSE(ipc::IsEnding(line("Z", "4194308", "0"))) << "its other threads may live";
+  EXPECT_FALSE(ipc::IsEnding(""));
+  EXPECT_FALSE(ipc::IsEnding("7 (x) S 1 2"));
+  EXPECT_FALSE(ipc::IsEnding(")))))  (((("));
 }
 
 TEST(Lifecycle, StoppedClientStopsBeatingButStaysConnected) {
