@@ -29,6 +29,7 @@ constexpr double kCalibratedCoils = 6e-4;  // of the coils' field, whose maps we
 constexpr double kDrawnError = 0.05;       // of an uncalibrated base: 1 mm, 1.5 %, 1.15 degrees
 constexpr double kDrawnLowerBelow = 0.6;   // of its chi2 per degree of freedom: at one place it is lower by chance
 constexpr double kDrawnPlace_m = 0.03;     // a pen at rest wanders by 10 mm where its place is known poorly
+constexpr double kDrawnSigma_m = 0.05;     // in any ambient field a pen that points straight down is known to 20 mm
 constexpr double kDrawnSame_rad = 2, kDrawnSame_s = 1e3;
 constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
 constexpr double kTypicalRadius_m = 0.065;   // from the pen to the core
@@ -277,6 +278,7 @@ Config MakeConfig(const base::DeviceGeometry& device) {
   config.trust = Trust{};
   config.doubt.model_error_max = config.doubt.cold_error_max = kDrawnError;
   config.doubt.lower_below = kDrawnLowerBelow;
+  config.doubt.cold_sigma_max_m = kDrawnSigma_m;
   config.doubt.place_m = kDrawnPlace_m;
   // A sensor that is turned or out of place has the same error over most of the reach, for as long as it is there.
   config.drift.same_error_m = kTypicalDistance_m;

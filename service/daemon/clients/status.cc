@@ -62,12 +62,9 @@ json TextOrNull(const std::string& text) { return text.empty() ? json() : json(t
 // Null: the base uses its nominal geometry.
 json Calibration(const config::CalibrationChoice& choice) {
   if (!choice.file) return nullptr;
-  return {{"file", choice.path},
-          {"date", choice.file->date},
-          {"serial", choice.file->serial},
-          {"note", TextOrNull(choice.note)},
-          {"shipped", choice.shipped},
-          {"expected_error_mm", choice.file->quality.expected_error_mm}};
+  return {{"file", choice.path},           {"date", choice.file->date},
+          {"serial", choice.file->serial}, {"note", TextOrNull(choice.note)},
+          {"shipped", choice.shipped},     {"expected_error_mm", choice.file->quality.expected_error_mm}};
 }
 
 json Room(const std::vector<RoomFinding>& findings) {

@@ -13,6 +13,7 @@ struct DoubtOptions {
   double model_error_max = 0.01;    // relative; MakeConfig sets more for a poor calibration
   double model_error_start = 2e-3;  // before scans have been evaluated
   double cold_error_max = 0;        // limit to which a cold start raises it when nothing else fits
+  double cold_sigma_max_m = 5e-3;   // of a pose that was found so
   double memory = 0.01;             // weight of the newest scan in the mean of chi2 per degree of freedom
   double memory_lately = 0.05;      // the same of a shorter mean
   // The larger of the two means: above `unsure_above` a pose's standard deviation grows by `unsure_by` times its excess

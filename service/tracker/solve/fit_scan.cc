@@ -22,8 +22,6 @@ constexpr double kSurelyKnown_m2 = 25e-6;  // trace: with so much that may be wr
 // A correct first pose is known this well (trace); where its chi2 exceeds this per degree of freedom, any other ambient
 // field saves less than kFieldSaves.
 constexpr double kKnown_m2 = 225e-6, kOddly = 1.5, kFieldSaves = 22;
-// The same of an uncalibrated base in any ambient field: a pen that points straight down on it is known to 20 mm.
-constexpr double kDrawnKnown_m2 = 2500e-6;
 constexpr double kNoFit = 1e6;  // chi2
 // The search for another pen's moment: places of the grid to start from; steps, their greatest size, and the last one's
 // in standard deviations.
@@ -418,9 +416,9 @@ Outcome TryColdHypothesis(const ScanContext& context, State& state, Measurement&
   measurement = MeasureScan(context, drift, doubt);
   Outcome outcome = TryCold(context, drift, doubt, measurement);
   const double variance_m2 = PositionVariance(outcome.fit);
-  outcome.good =
-      outcome.good && (doubled ? variance_m2 <= kDrawnKnown_m2 && IsHonest(config, measurement, doubt, outcome.fit)
-                               : variance_m2 <= kSurelyKnown_m2);
+  outcome.good = outcome.good && (doubled ? std::sqrt(variance_m2) <= config.doubt.cold_sigma_max_m &&
+                                                IsHonest(config, measurement, doubt, outcome.fit)
+                                          : variance_m2 <= kSurelyKnown_m2);
   MeetMagnet(context, state.drift, doubt, drift, measurement, outcome, state.magnet);
   if (!outcome.good) return outcome;
   state.drift = drift;
@@ -451,7 +449,7 @@ Outcome TryPair(const ScanContext& context, State& state, Measurement& measureme
   beside.stray = &stray;
   measurement = MeasureScan(beside, drift, doubt);
   outcome = TryCold(beside, drift, doubt, measurement);
-  outcome.good = outcome.good && PositionVariance(outcome.fit) <= kKnown_m2;
+  outcome.good = outcome.good && PositionVariance(outcome.fit) <= kSurelyKnown_m2;
   if (!outcome.good) return outcome;
   ConfirmMagnet(drift, state.magnet);
   state.drift = drift;
