@@ -139,10 +139,10 @@ TEST_F(SwingWatchHand, RestWhileTouchingBringsStiffnessBack) {
 
 // A motion that goes on without the surface is the hand's own, even where a light hand would swing like that.
 TEST_F(SwingWatchHand, MotionThatGoesOnWithoutTheSurfaceGetsItBack) {
-  EXPECT_LT(Move(-3e-3, 1.5e-3, 14, 1), 0.1);
-  EXPECT_LT(Move(-3e-3, 1.5e-3, 14, 1), 0.1);
-  EXPECT_EQ(Move(-3e-3, 1.5e-3, 14, 2), 1);
-  EXPECT_EQ(Move(-3e-3, 1.5e-3, 14, 3), 1);
+  EXPECT_LT(Move(-4e-3, 1.5e-3, 15.5, 1), 0.1);
+  EXPECT_LT(Move(-4e-3, 1.5e-3, 15.5, 0.5), 0.1);
+  EXPECT_EQ(Move(-4e-3, 1.5e-3, 15.5, 2), 1);
+  EXPECT_EQ(Move(-4e-3, 1.5e-3, 15.5, 3), 1);
 }
 
 // Ordinary hands, damped as people's are: whatever they do by themselves, they keep the wall.

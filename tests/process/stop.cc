@@ -100,7 +100,7 @@ TEST(ProcessSafety, EmergencyStopWithoutADiskHoldsUntilServiceEndsAndSaysSo) {
   EXPECT_TRUE(app.WaitForForce(kPushing_N));
 }
 
-// Damaged, but there: somebody wanted no force.
+// Damaged, but there: the user wanted no force.
 TEST(ProcessSafety, ServiceStartsStoppedByAnyLatch) {
   ServiceProcess service;
   fs::create_directories(service.latch_path());

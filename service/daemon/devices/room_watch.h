@@ -20,7 +20,7 @@ namespace omni::daemon {
 class PenWatch {
  public:
   static constexpr double kOther = 0.025;    // of the moment; a magnet that is 20 K warmer has lost as much
-  static constexpr double kChanged = 0.015;  // until another number is told
+  static constexpr double kChanged = 0.015;  // until another number is reported
 
   void Add(const base::ToolState& tool) noexcept;
   void EndSecond() noexcept;

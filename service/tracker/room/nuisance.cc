@@ -98,7 +98,7 @@ void SetNuisances(const Model& model, const std::array<double, base::kCoilCount>
 }
 
 void AddAmbientColumns(Measurement& result) noexcept {
-  if (result.nuisances != base::kCoilCount) return;
+  if (result.nuisances != base::kCoilCount || result.columns != result.nuisances) return;  // none, or there already
   PutAmbientColumns(result);
   AddInformation(base::kCoilCount, result);
 }
