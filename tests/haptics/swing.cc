@@ -129,7 +129,7 @@ TEST_F(SwingWatchHand, SwingReducesGainUntilContactEnds) {
   EXPECT_EQ(Move(-3e-3, 0, 1, 0.5), 1);
 }
 
-// The surface is soft while nothing tells whether the hand still swings, and hard again when it rests.
+// The surface is soft while the hand may still swing, and hard again when it rests.
 TEST_F(SwingWatchHand, RestWhileTouchingBringsStiffnessBack) {
   EXPECT_LT(Move(-3e-3, 2e-4, 25, 1), 0.05);
   const double soft = pen_->output.energy_gain;
