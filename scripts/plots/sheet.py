@@ -22,6 +22,7 @@ WIDTH_PT, POINTS_PER_INCH = 450, 72  # 600 pixels wide
 MARGIN_PT, TITLE_PT, NOTE_PT, LABEL_PT, FOOTER_PT, MARK_PT = 5, 10.5, 8.5, 8.5, 6.5, 5
 SIDE_PT = 12             # of the axes: another font may be wider
 LINE = 1.3               # from line to line, of the height of letters
+LAYOUT_DIGITS = 5        # of places, as shares of a sheet
 SHIFTS = 200             # of labels that overlap, at most
 ALONG = 30               # points of a line that labels should not cover
 LETTER = 0.6             # mean width of a letter, of its height
@@ -69,6 +70,14 @@ def new_figure(document, title, note, height_pt):
     free = (left, bottom / height_pt, 1 - 2 * left, 1 - (top + bottom + MARGIN_PT) / height_pt)
     figure.set_layout_engine(ConstrainedLayoutEngine(rect=free))
     return figure
+
+
+def freeze_layout(figure):
+    """Keeps the places that the layout's solver has found, but for its last digits, which differ from run to run."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        axes.set_position([round(part, LAYOUT_DIGITS) for part in axes.get_position().bounds])
 
 
 def new_chart(document, title, note, x_label, y_label, height_pt=300):
