@@ -58,6 +58,7 @@ TEST(ActuationForces, ForceMapMatchesMagneticChargesInEachWindingsField) {
     const bool near = i < kPoses;
     const double r = near ? 0.041 : 0.055;
     const base::ToolState tool = RandomTool(rng, r, r, near ? 0.06 : 0.9);
+    const double moment_scale = Uniform(rng, 0.75, 1.25);  // of the pen in use
     Matrix3d exact;
     for (std::size_t k = 0; k < 3; ++k) {
       Vector3d force = Vector3d::Zero();
@@ -66,9 +67,9 @@ TEST(ActuationForces, ForceMapMatchesMagneticChargesInEachWindingsField) {
             support::ChargePosition(charge, base::ToEigen(tool.position_base_m), base::ToEigen(tool.axis_base));
         force += charge.q * magnetics::CoilField(windings[k], cores[k], base::ToEigen(device.coils[k].axis_base), at);
       }
-      exact.col(static_cast<int>(k)) = force;
+      exact.col(static_cast<int>(k)) = moment_scale * force;
     }
-    const ForceAtPose mapped = EvaluateForceMap(map, tool.position_base_m, tool.axis_base);
+    const ForceAtPose mapped = EvaluateForceMap(map, tool.position_base_m, tool.axis_base, moment_scale);
     const Matrix3d X = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(mapped.newton_per_ampere.data());
     (near ? contact : far) += support::RelativeError(X, exact) / kPoses;
   }

@@ -89,6 +89,38 @@ TEST_F(TrackerDrift, MomentOfATrackedPenStaysWithinItsBounds) {
   }
 }
 
+// From its first scan on, whatever the magnet, and nothing of the own pen's precision is lost.
+TEST_F(TrackerDrift, MomentOfAnotherPenIsFound) {
+  const double own_m = RunMoving_m(2);
+  for (const double scale : {0.7, 0.75, 0.85, 0.9, 0.95, 1.05, 1.1, 1.2, 1.25, 1.3}) {
+    SCOPED_TRACE(scale);
+    base::Calibration other = calibration;
+    other.moment_Am2 *= scale;
+    world = MakeModel(other);
+    state = {};
+    int tracked = 0;
+    for (int i = 0; i < 50; ++i) {
+      Move(1e-3 * i);
+      Feed(NextScan());
+      if (tool.status != TrackingStatus::kTracking) continue;
+      ++tracked;
+      const double sigma_m = std::sqrt(tool.covariance[0] + tool.covariance[6] + tool.covariance[12]);
+      EXPECT_LT((base::ToEigen(tool.position_base_m) - pose.position_base_m).norm(), 4 * sigma_m);
+    }
+    EXPECT_GE(tracked, 25);
+    EXPECT_NEAR(tool.moment_scale, scale, 4 * tool.moment_sigma);
+    double sum_m = 0;
+    for (int i = 50; i < 2050; ++i) {
+      Move(1e-3 * i);
+      Feed(NextScan());
+      ASSERT_EQ(tool.status, TrackingStatus::kTracking);
+      sum_m += (base::ToEigen(tool.position_base_m) - pose.position_base_m).norm() / 2000;
+    }
+    EXPECT_EQ(tool.magnet, base::MagnetIdentity::kNew);
+    EXPECT_LT(sum_m, 1.5 * own_m / std::min(1.0, scale));
+  }
+}
+
 TEST_F(TrackerDrift, RemanenceAndAmbientFieldAreEstimated) {
   config.filter.calm_rate = 0;  // what drifts, not what the filter makes of noise
   const double undisturbed_m = RunMoving_m(8);

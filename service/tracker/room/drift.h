@@ -32,7 +32,7 @@ struct DriftNoise {
   double current_step_error = 0.03;  // of a change of the current: gain and lag of its sensor, hysteresis of the core
   double moment = 0.01, moment_s = 2e4;  // 0.01 % in a second
   double moment_max = 0.05;              // from that of the pen in use ...
-  double moment_open_max = 0.35;         // ... and, while that is not known, from the calibrated one
+  double moment_open_max = 0.4;          // ... and, while that is not known, from the calibrated one
   // The model's error stays the same from scan to scan until the pen has moved, turned or waited so much.
   double same_error_m = 0.02, same_error_rad = 0.3, same_error_s = 10;
 };

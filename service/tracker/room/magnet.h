@@ -17,7 +17,7 @@ struct KnownMagnet {
 inline constexpr int kKnownMagnetsMax = 8;
 
 struct MagnetOptions {
-  bool enabled = false;  // until the rooms of `omni-bench room` with other pens pass
+  bool enabled = true;
   // Known beside the calibrated one.
   std::array<KnownMagnet, kKnownMagnetsMax> known{};
   int known_count = 0;

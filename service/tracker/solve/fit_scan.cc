@@ -29,7 +29,8 @@ constexpr int kMomentStarts = 3, kMomentSteps = 8;
 constexpr double kMomentStepMax = 0.25, kMomentSettled = 0.3;
 constexpr double kForeignSigmas = 2, kForeign_s = 2;  // beyond what a pen may have: then it is none, for so long
 constexpr double kMomentMin = 0.1, kMomentMax = 3;    // where it may lead, to see that a magnet is no pen's
-constexpr double kSimpler = 4;  // of chi2: so much less does not make any other field likelier than another pen
+constexpr double kOddlyOpen = 2.5;  // chi2 per degree of freedom of another pen in any ambient field, at most
+constexpr double kSimpler = 4;      // of chi2: so much less does not make any other field likelier than another pen
 
 double PositionVariance(const Fit& fit) noexcept { return fit.covariance.topLeftCorner<3, 3>().trace(); }
 
@@ -126,9 +127,9 @@ MomentEvidence MomentAt(const ScanContext& context, const DriftState& drift, Mea
 }
 
 // Pose and moment of a pen of which nothing is known, from `start`: Gauss-Newton steps of the moment, each at the best
-// pose.   docs/theory/tracking.md (36)
-bool SeekMoment(const ScanContext& context, const Doubt& doubt, const Pose& start, DriftState& drift,
-                Measurement& measurement, Outcome& outcome, Magnet& magnet) noexcept {
+// pose. False: they lead nowhere.   docs/theory/tracking.md (37)
+bool FollowMoment(const ScanContext& context, const Doubt& doubt, const Pose& start, DriftState& drift,
+                  Measurement& measurement, Fit& fit, Magnet& magnet) noexcept {
   const Config& config = context.config;
   const double known = 1 / (config.magnets.unknown * config.magnets.unknown);
   Pose pose = start;
@@ -141,27 +142,49 @@ bool SeekMoment(const ScanContext& context, const Doubt& doubt, const Pose& star
     }
     measurement = MeasureScan(beside, drift, doubt);
     const Pose expected = pose;
-    outcome.fit = SolveCold(config, measurement, pose);
-    if (!outcome.fit.pose.position_base_m.allFinite()) return false;
-    const MomentEvidence said = MomentAt(context, drift, measurement, outcome.fit, magnet);
+    fit = SolveCold(config, measurement, pose);
+    if (!fit.pose.position_base_m.allFinite()) return false;
+    const MomentEvidence said = MomentAt(context, drift, measurement, fit, magnet);
     if (!said.valid) return false;
-    if (steel) CorrectForSteel(config.model, measurement, expected, *steel, outcome.fit);
-    pose = outcome.fit.pose;
+    if (steel) CorrectForSteel(config.model, measurement, expected, *steel, fit);
+    pose = fit.pose;
     const double relative = MomentScale(drift) - 1, information = said.information + known;
     const double step = (said.gradient - known * relative) / information;
-    const bool settled = k > 0 && std::abs(step) * std::sqrt(information) < kMomentSettled;
     SetMoment(relative + std::clamp(step, -kMomentStepMax, kMomentStepMax), 1 / information, drift);
     if (!(MomentScale(drift) >= kMomentMin && MomentScale(drift) <= kMomentMax)) return false;
-    if (!settled) continue;
-    const bool fits =
-        FitsReadings(config, measurement, outcome.fit) && outcome.fit.chi2 <= kOddly * DegreesOfFreedom(measurement);
-    const double away = std::abs(MomentScale(drift) - 1) - config.magnets.furthest;
-    if (fits && away > kForeignSigmas * std::sqrt(MomentVariance(drift))) magnet.foreign_s = kForeign_s;
-    outcome.explained = fits && away < 0;
-    outcome.good = outcome.explained && IsInReach(config, pose) && PositionVariance(outcome.fit) <= kKnown_m2;
-    return outcome.good;
+    if (k > 0 && std::abs(step) * std::sqrt(information) < kMomentSettled) {
+      return FitsReadings(config, measurement, fit);
+    }
   }
   return false;
+}
+
+// Is that a pen? A magnet that fits with a moment that no pen has is none for a while.
+bool SeekMoment(const ScanContext& context, const Doubt& doubt, const Pose& start, DriftState& drift,
+                Measurement& measurement, Outcome& outcome, Magnet& magnet) noexcept {
+  const Config& config = context.config;
+  outcome = {};
+  outcome.cold = true;
+  if (!FollowMoment(context, doubt, start, drift, measurement, outcome.fit, magnet)) return false;
+  const double away = std::abs(MomentScale(drift) - 1) - config.magnets.furthest;
+  const bool well = outcome.fit.chi2 <= kOddly * DegreesOfFreedom(measurement);
+  if (well && away > kForeignSigmas * std::sqrt(MomentVariance(drift))) magnet.foreign_s = kForeign_s;
+  outcome.explained = away < 0;
+  outcome.good = outcome.explained && IsInReach(config, outcome.fit.pose) && PositionVariance(outcome.fit) <= kKnown_m2;
+  if (!outcome.good || well) return outcome.good;
+  if (IsAmbientLively(config.drift, drift)) {
+    outcome.good = outcome.fit.chi2 <= kOddlyOpen * DegreesOfFreedom(measurement);
+    return outcome.good;
+  }
+  // As for the calibrated pen: any ambient field must not explain much more.
+  DriftState open = drift;
+  OpenAmbient(config.drift, open);
+  Measurement other;
+  Fit fit;
+  Magnet unused = magnet;
+  const bool follows = FollowMoment(context, doubt, outcome.fit.pose, open, other, fit, unused);
+  outcome.good = !(follows && fit.chi2 + kFieldSaves < outcome.fit.chi2);
+  return outcome.good;
 }
 
 // The same without a hint.
@@ -171,8 +194,6 @@ Outcome SeekOtherPen(const ScanContext& context, const Doubt& doubt, DriftState&
   Outcome outcome;
   const ColdCandidates candidates = RankGrid(context.config.model, MeasureScan(context, drift, doubt), kMomentStarts);
   for (std::size_t c = 0; c < static_cast<std::size_t>(candidates.count) && !outcome.good; ++c) {
-    outcome = {};
-    outcome.cold = true;
     drift = before;
     SeekMoment(context, doubt, candidates.poses[c], drift, measurement, outcome, magnet);
   }
@@ -188,7 +209,6 @@ void MeetMagnet(const ScanContext& context, const DriftState& before, const Doub
   if (magnet.identified || !outcome.good) return;
   const Pose start = outcome.fit.pose;
   Outcome other;
-  other.cold = true;
   DriftState trial = before;
   Measurement of_other;
   const bool any_field = IsAmbientLively(context.config.drift, drift);
@@ -208,6 +228,7 @@ void MeetMagnet(const ScanContext& context, const DriftState& before, const Doub
     const double known = 1 / (options.unknown * options.unknown);
     const double posterior = 1 / (said.information + known);
     if (posterior <= options.identified * options.identified) return ConfirmMagnet(drift, magnet);
+    outcome.good = outcome.fit.chi2 <= kOddly * DegreesOfFreedom(measurement);  // else it is no pen, or another
     SetMoment(MomentScale(drift) - 1, options.unknown * options.unknown, drift);
     return;
   }
@@ -220,6 +241,19 @@ void MeetMagnet(const ScanContext& context, const DriftState& before, const Doub
   }
   drift = trial;
   IdentifyMagnet(options, drift, magnet);
+}
+
+// At a meeting: would one magnet do, whatever its moment, where a pen and a magnet have been found?
+bool IsOneMagnet(const ScanContext& context, const State& state, const Fit& found) noexcept {
+  if (state.magnet.identified) return false;
+  ScanContext bare = context;
+  bare.stray = nullptr;
+  DriftState drift = state.drift;
+  OpenAmbient(context.config.drift, drift);
+  Measurement measurement;
+  Fit fit;
+  Magnet unused = state.magnet;
+  return FollowMoment(bare, state.doubt, found.pose, drift, measurement, fit, unused);
 }
 
 double Chi2Of(const Outcome& outcome, double otherwise) noexcept {
@@ -450,6 +484,7 @@ Outcome TryPair(const ScanContext& context, State& state, Measurement& measureme
   measurement = MeasureScan(beside, drift, doubt);
   outcome = TryCold(beside, drift, doubt, measurement);
   outcome.good = outcome.good && PositionVariance(outcome.fit) <= kSurelyKnown_m2;
+  outcome.good = outcome.good && !IsOneMagnet(context, state, outcome.fit);
   if (!outcome.good) return outcome;
   ConfirmMagnet(drift, state.magnet);
   state.drift = drift;
