@@ -118,7 +118,7 @@ struct TickOutput {
   base::Quat orientation_base_tool;  // frame T: -z out of the tip
   haptics::Output haptics;
   haptics::AppliedOutput applied;
-  base::Wrench wrench;          // after gate and last limiter; the torque is a side effect of the currents
+  base::Wrench wrench;          // as made, after gate and last limiter; the torque is a side effect of the currents
   base::CoilCurrents currents;  // as sent: finite, within limits
   base::InputState inputs;
   base::SourceMask sources = 0;        // inputs' sources that are on

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <map>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "service/base/in_parallel.h"
 #include "service/base/limits.h"
 #include "service/sim/fields/random.h"
 #include "tests/bench/haptics/closed_loop.h"
@@ -139,6 +139,12 @@ Kept Judge(const std::vector<double>& measured_N_m, const std::vector<double>& g
   return kept;
 }
 
+struct Case {
+  Motion motion;
+  double hand_N_m = 0;
+  bool constraint = false;  // touched; else a surface
+};
+
 haptics::Constraint Plane(double z_m) {
   return {.kind = haptics::ConstraintKind::kPlane,
           .side = haptics::ConstraintSide::kOutside,
@@ -149,7 +155,8 @@ haptics::Constraint Plane(double z_m) {
 }
 
 Kept Hold(const base::DeviceGeometry& device, const loop::TickConfig& config, const base::TruthParameters& truth,
-          std::uint64_t seed, const Motion& motion, double hand_N_m, bool constraint, double hold_s) {
+          std::uint64_t seed, const Case& touch, double hold_s) {
+  const auto& [motion, hand_N_m, constraint] = touch;
   const double wall_z_m = kRadius_m - device.magnet.tip_offset_m;
   sim::PlantOptions plant{.seed = seed, .script = ScriptOf(motion, hand_N_m, wall_z_m, hold_s)};
   plant.truth = truth;
@@ -175,6 +182,18 @@ Kept Hold(const base::DeviceGeometry& device, const loop::TickConfig& config, co
   return Judge(stiffness_N_m, gain);
 }
 
+std::vector<Case> Cases(bool quick) {
+  const std::vector<double> hands_N_m = quick ? std::vector<double>{400} : std::vector<double>{100, 200, 300, 400, 500};
+  std::vector<Case> cases;
+  for (const Motion& motion : Motions(quick)) {
+    for (const double hand_N_m : hands_N_m) {
+      cases.push_back({motion, hand_N_m, false});
+      if (motion.slide_m_s == 0) cases.push_back({motion, hand_N_m, true});
+    }
+  }
+  return cases;
+}
+
 struct Total {
   int runs = 0, lost = 0, softened = 0;
   double least_share = 1;
@@ -185,53 +204,46 @@ struct Total {
 base::Result<BenchRows> BenchHands(const BenchOptions& options) {
   const base::DeviceGeometry device = FastDevice();
   const double hold_s = options.quick ? 2 : 4;
-  const std::vector<double> hands_N_m =
-      options.quick ? std::vector<double>{400} : std::vector<double>{100, 200, 300, 400, 500};
-  using Key = std::tuple<bool, std::string, bool>;
-  std::map<Key, Total> totals;
+  const RoomCondition room{.name = "room"};
+  const std::vector<Case> cases = Cases(options.quick);
+  std::vector<Kept> kept(cases.size());
+  const auto touch = [&](std::size_t, std::uint64_t seed, const loop::TickConfig& config) {
+    const base::TruthParameters truth = RoomOf(room);
+    base::InParallel(cases.size(),
+                     [&](std::size_t i) { kept[i] = Hold(device, config, truth, seed, cases[i], hold_s); });
+  };
+  if (auto error = OnRigs(room, device, 1, 1000 * options.seed + 700, touch)) return *error;
+  std::map<std::pair<std::string, bool>, Total> totals;
   BenchRows lost;
-  for (const bool in_room : {false, true}) {
-    const RoomCondition condition{.name = in_room ? "room" : "ideal", .ideal = !in_room};
-    const auto touch = [&](std::size_t, std::uint64_t seed, const loop::TickConfig& config) {
-      for (const Motion& motion : Motions(options.quick)) {
-        for (const double hand_N_m : hands_N_m) {
-          for (const bool constraint : {false, true}) {
-            if (constraint && motion.slide_m_s > 0) continue;
-            const Kept kept = Hold(device, config, RoomOf(condition), seed, motion, hand_N_m, constraint, hold_s);
-            Total& total = totals[{in_room, motion.name, constraint}];
-            ++total.runs;
-            total.lost += kept.lost;
-            total.softened += kept.softened;
-            total.least_share = std::min(total.least_share, kept.least_share);
-            if (!kept.lost) continue;
-            lost.push_back({{"table", "lost"},
-                            {"room", in_room},
-                            {"motion", motion.name},
-                            {"constraint", constraint},
-                            {"hand_N_m", hand_N_m},
-                            {"mass_kg", motion.mass_kg},
-                            {"press_mm", 1e3 * motion.press_m},
-                            {"press_Hz", motion.press_Hz},
-                            {"tremor_mm", 1e3 * motion.tremor_m},
-                            {"from_Hz", motion.band.from_Hz},
-                            {"to_Hz", motion.band.to_Hz},
-                            {"least_share", kept.least_share}});
-          }
-        }
-      }
-    };
-    if (auto error = OnRigs(condition, device, 1, 1000 * options.seed + 700, touch)) return *error;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Motion& motion = cases[i].motion;
+    Total& total = totals[{motion.name, cases[i].constraint}];
+    ++total.runs;
+    total.lost += kept[i].lost;
+    total.softened += kept[i].softened;
+    total.least_share = std::min(total.least_share, kept[i].least_share);
+    if (!kept[i].lost) continue;
+    lost.push_back({{"table", "lost"},
+                    {"motion", motion.name},
+                    {"constraint", cases[i].constraint},
+                    {"hand_N_m", cases[i].hand_N_m},
+                    {"mass_kg", motion.mass_kg},
+                    {"press_mm", 1e3 * motion.press_m},
+                    {"press_Hz", motion.press_Hz},
+                    {"tremor_mm", 1e3 * motion.tremor_m},
+                    {"from_Hz", motion.band.from_Hz},
+                    {"to_Hz", motion.band.to_Hz},
+                    {"least_share", kept[i].least_share}});
   }
   BenchRows rows;
   for (const auto& [key, total] : totals) {
-    const auto& [in_room, motion, constraint] = key;
-    rows.push_back({{"room", in_room},
-                    {"motion", motion},
-                    {"touched", constraint ? "constraint" : "surface"},
+    rows.push_back({{"motion", key.first},
+                    {"touched", key.second ? "constraint" : "surface"},
                     {"runs", total.runs},
                     {"lost", total.lost},
                     {"softened", total.softened},
-                    {"least_share", total.least_share}});
+                    {"least_share", total.least_share},
+                    {"seed", options.seed}});
   }
   rows.insert(rows.end(), lost.begin(), lost.end());
   return rows;

@@ -16,11 +16,11 @@ using BenchRows = tools::Rows;
 struct BenchOptions {
   std::uint64_t ticks = 0;  // loop: per scene; stress: in all; 0: the bench's own number
   std::uint64_t seed = 1;
-  bool quick = false;             // much less work, to check that it runs
-  std::uint64_t cold_solves = 0;  // solver: cold starts to search for failures; 0: the bench's own number
-  std::string mesh;               // collision: a .glb file instead of the bench's own bodies
-  double hours = 10;              // stress: virtual time of the drift run
-  std::string condition;          // room: only this one
+  bool quick = false;                   // much less work, to check that it runs
+  std::uint64_t cold_solves = 0;        // solver: cold starts to search for failures; 0: the bench's own number
+  std::string mesh;                     // collision: a .glb file instead of the bench's own bodies
+  double hours = 10;                    // stress: virtual time of the drift run
+  std::vector<std::string> conditions;  // room: only these; empty: all
 };
 
 // Benches that draw rigs and poses use three seeds; the same --seed gives the same ones.
@@ -75,8 +75,8 @@ base::Result<BenchRows> BenchTracking(const BenchOptions& options);
 // Tracking outside a laboratory: condition, force, rigs, ticks, seed, tracked_fraction, coarse_fraction, mean_mm,
 // p95_mm, sigma_mm, silent_fraction, pushed_silent_fraction (under force: silent, and a force was requested),
 // worst_rig_mm (of a base's mean error over all its poses), recovery_ms_p95, force_error_p50_pct, force_error_p95_pct,
-// limited_fraction, limited_error_p95_pct (of ticks whose force was cut, which the others leave out); null where
-// nothing was tracked. The last condition, pairs: two of them at random.
+// limited_fraction (of ticks with a force, those whose force was cut); null where nothing was tracked. The last
+// condition, pairs: two of them at random.
 base::Result<BenchRows> BenchRoom(const BenchOptions& options);
 
 // A pen that starts, stops, trembles and rests: room, motion, radius_mm, trials, p95_mm, max_mm (of each trial's worst
@@ -91,8 +91,9 @@ base::Result<BenchRows> BenchSolver(const BenchOptions& options);
 // table: the stiffness allowed, by delay and noise.
 base::Result<BenchRows> BenchStability(const BenchOptions& options);
 
-// Ordinary hands on walls and constraints, on the twin: room, motion, touched, runs, lost (under half of the stiffness
-// before, half a second later, still touching), softened, least_share (of that stiffness); side table: the lost ones.
+// Ordinary hands on walls and constraints, on the twin in a room: motion, touched, runs, lost (under half of the
+// stiffness before, half a second later, still touching), softened, least_share (of that stiffness); side table: the
+// lost ones.
 base::Result<BenchRows> BenchHands(const BenchOptions& options);
 
 // Friction against Coulomb's law: study, body, trials, breakaway and sliding error; side tables: stick-slip, drift.

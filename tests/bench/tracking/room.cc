@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "service/base/in_parallel.h"
@@ -48,8 +49,9 @@ struct Tally {
   std::vector<double> error_mm, sigma_mm;  // of tracked poses
   std::vector<double> coarse_mm;           // error of coarse poses
   std::vector<double> recovery_ms;
-  std::vector<double> force_error_pct, limited_error_pct;  // of ticks with a force; apart: those cut by a limit
-  double worst_rig_mm = 0;                                 // mean over all poses of a base
+  std::vector<double> force_error_pct;  // of ticks with a force
+  std::size_t limited = 0;              // of these: cut by a limit
+  double worst_rig_mm = 0;              // mean over all poses of a base
 
   void Add(const Tally& other) {
     ticks += other.ticks, tracked += other.tracked, coarse += other.coarse, refused += other.refused;
@@ -59,7 +61,7 @@ struct Tally {
     Append(other.coarse_mm, coarse_mm);
     Append(other.recovery_ms, recovery_ms);
     Append(other.force_error_pct, force_error_pct);
-    Append(other.limited_error_pct, limited_error_pct);
+    limited += other.limited;
     worst_rig_mm = std::max(worst_rig_mm, other.worst_rig_mm);
   }
 };
@@ -95,12 +97,12 @@ class Judge {
     tally_.sigma_mm.push_back(sigma_mm);
   }
 
-  // The force on the pen, core's pull included, against the one that was asked for.
-  void AddForce(const base::Vec3& wanted_N, const base::Vec3& true_N, bool limited) {
-    const double size_N = base::Norm(wanted_N);
+  // The force on the pen, core's pull included, against the one that the loop says is made.
+  void AddForce(const base::Vec3& said_N, const base::Vec3& true_N, bool limited) {
+    const double size_N = base::Norm(said_N);
     if (!(size_N >= kForce_N)) return;
-    (limited ? tally_.limited_error_pct : tally_.force_error_pct)
-        .push_back(100 * base::Norm(true_N - wanted_N) / size_N);
+    tally_.force_error_pct.push_back(100 * base::Norm(true_N - said_N) / size_N);
+    tally_.limited += limited ? 1 : 0;
   }
 
   Tally Finish(const std::vector<double>& events_s) {
@@ -274,45 +276,51 @@ nlohmann::ordered_json Row(const std::string& condition, bool force, const Tally
     return values.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(value);
   };
   const std::size_t poses = tally.poses;
-  const std::size_t pushes = tally.force_error_pct.size() + tally.limited_error_pct.size();
-  return {
-      {"condition", condition},
-      {"force", force},
-      {"rigs", rigs},
-      {"ticks", tally.ticks},
-      {"seed", seed},
-      {"tracked_fraction", share(tally.tracked)},
-      {"coarse_fraction", share(tally.coarse)},
-      {"mean_mm", measured(tally.error_mm, tools::Mean(tally.error_mm))},
-      {"p95_mm", measured(tally.error_mm, tools::Quantile(tally.error_mm, 0.95))},
-      {"sigma_mm", measured(tally.sigma_mm, tools::Quantile(tally.sigma_mm, 0.5))},
-      {"silent_fraction", poses == 0
-                              ? nlohmann::ordered_json(nullptr)
-                              : nlohmann::ordered_json(static_cast<double>(tally.silent) / static_cast<double>(poses))},
-      {"pushed_silent_fraction", force && poses > 0 ? nlohmann::ordered_json(static_cast<double>(tally.pushed_silent) /
-                                                                             static_cast<double>(poses))
-                                                    : nlohmann::ordered_json(nullptr)},
-      {"coarse_mean_mm", measured(tally.coarse_mm, tools::Mean(tally.coarse_mm))},
-      {"worst_rig_mm", poses == 0 ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(tally.worst_rig_mm)},
-      {"recovery_ms_p95", measured(tally.recovery_ms, tools::Quantile(tally.recovery_ms, 0.95))},
-      {"force_error_p50_pct", measured(tally.force_error_pct, tools::Quantile(tally.force_error_pct, 0.5))},
-      {"force_error_p95_pct", measured(tally.force_error_pct, tools::Quantile(tally.force_error_pct, 0.95))},
-      {"limited_fraction", pushes == 0 ? nlohmann::ordered_json(nullptr)
-                                       : nlohmann::ordered_json(static_cast<double>(tally.limited_error_pct.size()) /
-                                                                static_cast<double>(pushes))},
-      {"limited_error_p95_pct", measured(tally.limited_error_pct, tools::Quantile(tally.limited_error_pct, 0.95))},
-      {"calibrations_refused", tally.refused}};
+  const std::size_t pushes = tally.force_error_pct.size();
+  return {{"condition", condition},
+          {"force", force},
+          {"rigs", rigs},
+          {"ticks", tally.ticks},
+          {"seed", seed},
+          {"tracked_fraction", share(tally.tracked)},
+          {"coarse_fraction", share(tally.coarse)},
+          {"mean_mm", measured(tally.error_mm, tools::Mean(tally.error_mm))},
+          {"p95_mm", measured(tally.error_mm, tools::Quantile(tally.error_mm, 0.95))},
+          {"sigma_mm", measured(tally.sigma_mm, tools::Quantile(tally.sigma_mm, 0.5))},
+          {"silent_fraction",
+           poses == 0 ? nlohmann::ordered_json(nullptr)
+                      : nlohmann::ordered_json(static_cast<double>(tally.silent) / static_cast<double>(poses))},
+          {"pushed_silent_fraction",
+           force && poses > 0
+               ? nlohmann::ordered_json(static_cast<double>(tally.pushed_silent) / static_cast<double>(poses))
+               : nlohmann::ordered_json(nullptr)},
+          {"coarse_mean_mm", measured(tally.coarse_mm, tools::Mean(tally.coarse_mm))},
+          {"worst_rig_mm", poses == 0 ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(tally.worst_rig_mm)},
+          {"recovery_ms_p95", measured(tally.recovery_ms, tools::Quantile(tally.recovery_ms, 0.95))},
+          {"force_error_p50_pct", measured(tally.force_error_pct, tools::Quantile(tally.force_error_pct, 0.5))},
+          {"force_error_p95_pct", measured(tally.force_error_pct, tools::Quantile(tally.force_error_pct, 0.95))},
+          {"limited_fraction",
+           pushes == 0 ? nlohmann::ordered_json(nullptr)
+                       : nlohmann::ordered_json(static_cast<double>(tally.limited) / static_cast<double>(pushes))},
+          {"calibrations_refused", tally.refused}};
 }
 
 }  // namespace
 
 base::Result<BenchRows> BenchRoom(const BenchOptions& options) {
   std::vector<RoomCondition> conditions = RoomConditions();
-  const bool pairs = options.condition.empty() || options.condition == kPairs;
-  if (!options.condition.empty()) {
-    std::erase_if(conditions, [&](const RoomCondition& c) { return c.name != options.condition; });
-    if (conditions.empty() && !pairs) return base::Error{options.condition + ": unknown condition"};
+  const std::vector<std::string>& wanted = options.conditions;
+  const auto is_wanted = [&](std::string_view name) {
+    return wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
+  };
+  for (const std::string& name : wanted) {
+    const auto is_named = [&](const RoomCondition& c) { return c.name == name; };
+    if (name != kPairs && std::none_of(conditions.begin(), conditions.end(), is_named)) {
+      return base::Error{name + ": unknown condition"};
+    }
   }
+  std::erase_if(conditions, [&](const RoomCondition& c) { return !is_wanted(c.name); });
+  const bool pairs = is_wanted(kPairs);
   const std::size_t rigs = options.quick ? 2 : kRigs;
   const double run_s = options.quick ? 12 : kRoomRun_s;
   const auto scene = Box();
