@@ -16,11 +16,11 @@ using BenchRows = tools::Rows;
 struct BenchOptions {
   std::uint64_t ticks = 0;  // loop: per scene; stress: in all; 0: the bench's own number
   std::uint64_t seed = 1;
-  bool quick = false;                   // much less work, to check that it runs
-  std::uint64_t cold_solves = 0;        // solver: cold starts to search for failures; 0: the bench's own number
-  std::string mesh;                     // collision: a .glb file instead of the bench's own bodies
-  double hours = 10;                    // stress: virtual time of the drift run
-  std::vector<std::string> conditions;  // room: only these; empty: all
+  bool quick = false;             // much less work, to check that it runs
+  std::uint64_t cold_solves = 0;  // solver: cold starts to search for failures; 0: the bench's own number
+  std::string mesh;               // collision: a .glb file instead of the bench's own bodies
+  double hours = 10;              // stress: virtual time of the drift run
+  std::string conditions;         // room: only these, separated by commas; empty: all
 };
 
 // Benches that draw rigs and poses use three seeds; the same --seed gives the same ones.

@@ -72,7 +72,7 @@ void AddBenches(Command& app) {
     sub.Add("--mesh", options->mesh, "collision: a .glb file instead of the bench's own bodies").ExistingFile();
     sub.Add("--cold-solves", options->cold_solves, "solver: cold starts to search for failures")
         .Range(std::uint64_t{1}, kMost);
-    sub.Add("--condition", options->conditions, "room: only these conditions");
+    sub.Add("--condition", options->conditions, "room: only these conditions, separated by commas");
     sub.Add("--hours", options->hours, "stress: virtual time of the drift run").Range(0.0, 1000.0);
     sub.Run([&bench, options, json_path] { return RunBench(bench, *options, *json_path); });
   }

@@ -8,6 +8,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -305,11 +306,18 @@ nlohmann::ordered_json Row(const std::string& condition, bool force, const Tally
           {"calibrations_refused", tally.refused}};
 }
 
+std::vector<std::string> SplitAtCommas(const std::string& text) {
+  std::vector<std::string> words;
+  std::istringstream rest(text);
+  for (std::string word; std::getline(rest, word, ',');) words.push_back(word);
+  return words;
+}
+
 }  // namespace
 
 base::Result<BenchRows> BenchRoom(const BenchOptions& options) {
   std::vector<RoomCondition> conditions = RoomConditions();
-  const std::vector<std::string>& wanted = options.conditions;
+  const std::vector<std::string> wanted = SplitAtCommas(options.conditions);
   const auto is_wanted = [&](std::string_view name) {
     return wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
   };
