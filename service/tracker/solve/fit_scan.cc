@@ -5,9 +5,8 @@
 
 #include "service/base/eigen.h"
 #include "service/tracker/kernel/steel.h"
-#include "service/tracker/room/nuisance.h"
 #include "service/tracker/solve/cold_start.h"
-#include "service/tracker/solve/static_solve.h"
+#include "service/tracker/solve/other_pen.h"
 
 namespace omni::tracker {
 namespace {
@@ -19,46 +18,13 @@ using Eigen::Vector3d;
 // an uncalibrated base needs.
 constexpr int kOtherPen = 2, kOtherPenAndField = 3, kFirstLeftOut = 4, kFirstDoubled = kFirstLeftOut + kSensors;
 constexpr double kSurelyKnown_m2 = 25e-6;  // trace: with so much that may be wrong, a pose known worse is none
-// A correct first pose is known this well (trace); where its chi2 exceeds this per degree of freedom, any other ambient
-// field saves less than kFieldSaves.
-constexpr double kKnown_m2 = 225e-6, kOddly = 1.5, kFieldSaves = 22;
-constexpr double kNoFit = 1e6;  // chi2
-// The search for another pen's moment: places of the grid to start from; steps, their greatest size, and the last one's
-// in standard deviations.
-constexpr int kMomentStarts = 3, kMomentSteps = 8;
-constexpr double kMomentStepMax = 0.25, kMomentSettled = 0.3;
-constexpr double kForeignSigmas = 2, kForeign_s = 2;  // beyond what a pen may have: then it is none, for so long
-constexpr double kMomentMin = 0.1, kMomentMax = 3;    // where it may lead, to see that a magnet is no pen's
-constexpr double kOddlyOpen = 2.5;  // chi2 per degree of freedom of another pen in any ambient field, at most
-constexpr double kSimpler = 4;      // of chi2: so much less does not make any other field likelier than another pen
-
-double PositionVariance(const Fit& fit) noexcept { return fit.covariance.topLeftCorner<3, 3>().trace(); }
+constexpr double kNoFit = 1e6;             // chi2
 
 // Of an uncalibrated base: with less of an error than its sensors have, a fit that just passes the gate looks many
 // times as certain as it is.
 bool IsHonest(const Config& config, const Measurement& measurement, const Doubt& doubt, const Fit& fit) noexcept {
   return fit.chi2 <= config.doubt.raise_above * DegreesOfFreedom(measurement) ||
          doubt.model_error >= config.doubt.cold_error_max;
-}
-
-bool FitsReadings(const Config& config, const Measurement& measurement, const Fit& fit) noexcept {
-  const int dof = DegreesOfFreedom(measurement);
-  return fit.converged && dof >= config.dof_min && fit.chi2 <= ChiSquareGate(config.chi2_max, dof);
-}
-
-bool IsInReach(const Config& config, const Pose& pose) noexcept {
-  const double r = pose.position_base_m.norm();
-  return r >= config.reach_min_m && r <= config.reach_max_m && pose.position_base_m.z() >= config.z_min_m;
-}
-
-Precision PrecisionOf(const Config& config) noexcept {
-  return config.trust.currents_hidden ? Precision::kDouble : config.precision;
-}
-
-Fit SolveCold(const Config& config, const Measurement& measurement, const Pose& start) noexcept {
-  return SolvePose(
-      config.model, measurement, start,
-      {.precision = PrecisionOf(config), .iterations_max = config.cold_iterations_max, .damping = kColdDamping});
 }
 
 // Tries the best grid points in turn. A fit that passes the gate out of reach ends the search: the pen is elsewhere.
@@ -106,154 +72,6 @@ bool IsOfAnotherField(const ScanContext& context, const State& state, const Meas
   DriftState open = state.drift;
   OpenAmbient(config.drift, open);
   return SolveCold(config, MeasureScan(context, open, state.doubt), fit.pose).chi2 + kFieldSaves < fit.chi2;
-}
-
-// The fit once more, with the sums that say what the scan knows of the moment.
-MomentEvidence MomentAt(const ScanContext& context, const DriftState& drift, Measurement& measurement, Fit& fit,
-                        Magnet& magnet) noexcept {
-  const Config& config = context.config;
-  AddAmbientColumns(measurement);
-  KernelSums sums;
-  const Fit again =
-      SolvePose(config.model, measurement, fit.pose,
-                {.precision = PrecisionOf(config), .iterations_max = config.iterations_max, .sums = &sums});
-  if (!again.has_sums || !again.pose.position_base_m.allFinite()) return {};
-  const int spent = fit.iterations;
-  fit = again;
-  fit.iterations += spent;
-  const DriftEvidence evidence = GatherEvidence(config.drift, measurement, sums, 0);
-  magnet.pose_per_moment = evidence.pose_per_moment;
-  return OfMoment(evidence, drift);
-}
-
-// Pose and moment of a pen of which nothing is known, from `start`: Gauss-Newton steps of the moment, each at the best
-// pose. False: they lead nowhere.   docs/theory/tracking.md (37)
-bool FollowMoment(const ScanContext& context, const Doubt& doubt, const Pose& start, DriftState& drift,
-                  Measurement& measurement, Fit& fit, Magnet& magnet) noexcept {
-  const Config& config = context.config;
-  const double known = 1 / (config.magnets.unknown * config.magnets.unknown);
-  Pose pose = start;
-  for (int k = 0; k < kMomentSteps; ++k) {
-    std::optional<SteelResponse> steel;
-    ScanContext beside = context;
-    if (k > 0 && HasSteel(config.model)) {
-      steel = SteelResponseOf(config.model, pose, MomentScale(drift));
-      beside.local = &steel->field_T;
-    }
-    measurement = MeasureScan(beside, drift, doubt);
-    const Pose expected = pose;
-    fit = SolveCold(config, measurement, pose);
-    if (!fit.pose.position_base_m.allFinite()) return false;
-    const MomentEvidence said = MomentAt(context, drift, measurement, fit, magnet);
-    if (!said.valid) return false;
-    if (steel) CorrectForSteel(config.model, measurement, expected, *steel, fit);
-    pose = fit.pose;
-    const double relative = MomentScale(drift) - 1, information = said.information + known;
-    const double step = (said.gradient - known * relative) / information;
-    SetMoment(relative + std::clamp(step, -kMomentStepMax, kMomentStepMax), 1 / information, drift);
-    if (!(MomentScale(drift) >= kMomentMin && MomentScale(drift) <= kMomentMax)) return false;
-    if (k > 0 && std::abs(step) * std::sqrt(information) < kMomentSettled) {
-      return FitsReadings(config, measurement, fit);
-    }
-  }
-  return false;
-}
-
-// Is that a pen? A magnet that fits with a moment that no pen has is none for a while.
-bool SeekMoment(const ScanContext& context, const Doubt& doubt, const Pose& start, DriftState& drift,
-                Measurement& measurement, Outcome& outcome, Magnet& magnet) noexcept {
-  const Config& config = context.config;
-  outcome = {};
-  outcome.cold = true;
-  if (!FollowMoment(context, doubt, start, drift, measurement, outcome.fit, magnet)) return false;
-  const double away = std::abs(MomentScale(drift) - 1) - config.magnets.furthest;
-  const bool well = outcome.fit.chi2 <= kOddly * DegreesOfFreedom(measurement);
-  if (well && away > kForeignSigmas * std::sqrt(MomentVariance(drift))) magnet.foreign_s = kForeign_s;
-  outcome.explained = away < 0;
-  outcome.good = outcome.explained && IsInReach(config, outcome.fit.pose) && PositionVariance(outcome.fit) <= kKnown_m2;
-  if (!outcome.good || well) return outcome.good;
-  if (IsAmbientLively(config.drift, drift)) {
-    outcome.good = outcome.fit.chi2 <= kOddlyOpen * DegreesOfFreedom(measurement);
-    return outcome.good;
-  }
-  // As for the calibrated pen: any ambient field must not explain much more.
-  DriftState open = drift;
-  OpenAmbient(config.drift, open);
-  Measurement other;
-  Fit fit;
-  Magnet unused = magnet;
-  const bool follows = FollowMoment(context, doubt, outcome.fit.pose, open, other, fit, unused);
-  outcome.good = !(follows && fit.chi2 + kFieldSaves < outcome.fit.chi2);
-  return outcome.good;
-}
-
-// The same without a hint.
-Outcome SeekOtherPen(const ScanContext& context, const Doubt& doubt, DriftState& drift, Measurement& measurement,
-                     Magnet& magnet) noexcept {
-  const DriftState before = drift;
-  Outcome outcome;
-  const ColdCandidates candidates = RankGrid(context.config.model, MeasureScan(context, drift, doubt), kMomentStarts);
-  for (std::size_t c = 0; c < static_cast<std::size_t>(candidates.count) && !outcome.good; ++c) {
-    drift = before;
-    SeekMoment(context, doubt, candidates.poses[c], drift, measurement, outcome, magnet);
-  }
-  return outcome;
-}
-
-// A scan that fits the magnet that was there last, which may have been exchanged. If it needs another ambient field,
-// would another pen do, in the field as it was (`before`)? Does it contradict that moment? Then both are searched, in
-// that field, else in any. If it says too little, the moment is an unknown of the scans to come.
-void MeetMagnet(const ScanContext& context, const DriftState& before, const Doubt& doubt, DriftState& drift,
-                Measurement& measurement, Outcome& outcome, Magnet& magnet) noexcept {
-  const MagnetOptions& options = context.config.magnets;
-  if (magnet.identified || !outcome.good) return;
-  const Pose start = outcome.fit.pose;
-  Outcome other;
-  DriftState trial = before;
-  Measurement of_other;
-  const bool any_field = IsAmbientLively(context.config.drift, drift);
-  if (any_field && SeekMoment(context, doubt, start, trial, of_other, other, magnet) &&
-      other.fit.chi2 <= outcome.fit.chi2 + kSimpler) {
-    drift = trial;
-    measurement = of_other;
-    outcome = other;
-    return IdentifyMagnet(options, drift, magnet);
-  }
-  Fit fit = outcome.fit;
-  const MomentEvidence said = MomentAt(context, drift, measurement, fit, magnet);
-  if (!said.valid) return SetMoment(MomentScale(drift) - 1, options.unknown * options.unknown, drift);
-  const double variance = 1 / said.information, shift = said.gradient * variance;
-  const double expected = variance + options.warmth * options.warmth;
-  if (shift * shift <= options.odd_sigmas * options.odd_sigmas * expected) {
-    const double known = 1 / (options.unknown * options.unknown);
-    const double posterior = 1 / (said.information + known);
-    if (posterior <= options.identified * options.identified) return ConfirmMagnet(drift, magnet);
-    outcome.good = outcome.fit.chi2 <= kOddly * DegreesOfFreedom(measurement);  // else it is no pen, or another
-    SetMoment(MomentScale(drift) - 1, options.unknown * options.unknown, drift);
-    return;
-  }
-  trial = before;
-  outcome.good = outcome.explained = false;
-  if (!SeekMoment(context, doubt, start, trial, measurement, outcome, magnet)) {
-    trial = drift;
-    OpenAmbient(context.config.drift, trial);
-    if (!SeekMoment(context, doubt, start, trial, measurement, outcome, magnet)) return;
-  }
-  drift = trial;
-  IdentifyMagnet(options, drift, magnet);
-}
-
-// At a meeting: would one magnet do, whatever its moment, where a pen and a magnet have been found?
-bool IsOneMagnet(const ScanContext& context, const State& state, const Fit& found) noexcept {
-  if (state.magnet.identified) return false;
-  ScanContext bare = context;
-  bare.stray = nullptr;
-  DriftState drift = state.drift;
-  OpenAmbient(context.config.drift, drift);
-  Measurement measurement;
-  Fit fit;
-  Magnet unused = state.magnet;
-  return FollowMoment(bare, state.doubt, found.pose, drift, measurement, fit, unused);
 }
 
 double Chi2Of(const Outcome& outcome, double otherwise) noexcept {
@@ -310,36 +128,6 @@ void WatchStray(const ScanContext& context, const Measurement& measurement, cons
 }
 
 }  // namespace
-
-bool LearnsDrift(const Config& config) noexcept {
-  return config.drift.enabled && config.drift.remanence_A > 0 && !config.trust.currents_hidden;
-}
-
-Measurement MeasureScan(const ScanContext& context, const DriftState& drift, const Doubt& doubt) noexcept {
-  Offsets offsets = drift.valid ? OffsetsOf(context.config.drift, drift) : Offsets{};
-  offsets.local_base_T = context.local;
-  offsets.mains = context.mains;
-  if (context.stray != nullptr && context.stray->believed) {
-    offsets.reading_T = &context.stray->mean_T;
-    offsets.reading_variance_T2 = &context.stray->variance_T2;
-  }
-  Trust trust = TrustIn(doubt, context.config.trust);
-  if (context.stray != nullptr && context.stray->on) {
-    trust.model_error_relative = std::max(trust.model_error_relative, context.config.stray.model_error);
-  }
-  Measurement measurement =
-      MakeMeasurement(context.config.model, trust, context.scan, context.before, context.now, offsets);
-  measurement.moment_scale = MomentScale(drift);
-  return measurement;
-}
-
-int DegreesOfFreedom(const Measurement& measurement) noexcept {
-  return measurement.axes - measurement.fixed - kParameters - (measurement.nuisances > base::kCoilCount ? 3 : 0);
-}
-
-bool HasMagnet(const Config& config, const Measurement& measurement) noexcept {
-  return measurement.axes >= config.axes_min && measurement.field_rms_T >= config.field_min_T;
-}
 
 Outcome TryWarm(const Config& config, const FilterState& predicted, KernelSums* sums,
                 Measurement& measurement) noexcept {

@@ -2,38 +2,9 @@
 // fits. docs/theory/tracking.md
 #pragma once
 
-#include "service/base/hall_scan.h"
-#include "service/tracker/solve/solver.h"
-#include "service/tracker/tracker.h"
+#include "service/tracker/solve/scan_context.h"
 
 namespace omni::tracker {
-
-struct Outcome {
-  bool good = false;       // fits, in reach
-  bool explained = false;  // some pose fits, in reach or not
-  bool cold = false;
-  Fit fit;
-};
-
-// One scan, and the currents before it and now.
-struct ScanContext {
-  const Config& config;
-  const base::HallScan& scan;
-  const CurrentHistory& before;
-  const CurrentHistory& now;
-  const LocalField* local = nullptr;  // known at each sensor; null: none
-  const StrayField* stray = nullptr;  // null: none
-  AmbientChange mains = {};
-};
-
-// False for hidden currents, which leave no evidence of a drift.
-bool LearnsDrift(const Config& config) noexcept;
-
-Measurement MeasureScan(const ScanContext& context, const DriftState& drift, const Doubt& doubt) noexcept;
-
-// Usable readings less the unknowns without a prior: the scan's, the pose, and a poorly known ambient field.
-int DegreesOfFreedom(const Measurement& measurement) noexcept;
-bool HasMagnet(const Config& config, const Measurement& measurement) noexcept;
 
 // Starts at the predicted pose; the filter's rates take each sensor back to its own instant.
 Outcome TryWarm(const Config& config, const FilterState& predicted, KernelSums* sums,
