@@ -377,7 +377,7 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
     Hold(config, scan, state);
   LearnAway(config, scan, state.published.status == base::TrackingStatus::kAbsent && !frozen, state);
   Describe(config, scan, measurement, outcome, state.explained, state.published);
-  FollowMagnet(config.magnets, state.published, since_last_s, state.drift, state.magnet);
+  FollowMagnet(config.magnets, state.published, since_last_s, state.doubt.left_out >= 0, state.drift, state.magnet);
   ReportFindings(state, frozen, state.published);
   tool = state.published;
 }

@@ -75,12 +75,12 @@ void IdentifyMagnet(const MagnetOptions& options, DriftState& drift, Magnet& mag
   HoldMoment(nearest.which == Magnet::kNone ? magnet.last_moment : nearest.relative, drift);
 }
 
-void FollowMagnet(const MagnetOptions& options, const base::ToolState& tool, double dt_s, const DriftState& drift,
-                  Magnet& magnet) noexcept {
+void FollowMagnet(const MagnetOptions& options, const base::ToolState& tool, double dt_s, bool sensor_is_wrong,
+                  const DriftState& drift, Magnet& magnet) noexcept {
   if (magnet.known_count == 0) return;
   dt_s = dt_s >= 0 ? std::min(dt_s, kStep_s) : 0;
   if (tool.status != base::TrackingStatus::kTracking) {
-    magnet.absent_s += dt_s;
+    magnet.absent_s += sensor_is_wrong ? 0 : dt_s;
     magnet.away_s = tool.field_rms_T < options.away_T ? magnet.away_s + dt_s : 0;
     magnet.foreign_s = std::max(0.0, magnet.foreign_s - dt_s);
     if (magnet.identified && (magnet.away_s >= options.away_s || magnet.absent_s >= options.absent_s)) {

@@ -65,8 +65,9 @@ inline bool IsToBeIdentified(const Magnet& magnet) noexcept {
 void IdentifyMagnet(const MagnetOptions& options, DriftState& drift, Magnet& magnet) noexcept;
 
 // Once per scan, after it was published: whether a pen may have been exchanged, and whether a new one is known now.
-void FollowMagnet(const MagnetOptions& options, const base::ToolState& tool, double dt_s, const DriftState& drift,
-                  Magnet& magnet) noexcept;
+// sensor_is_wrong: which by itself may leave scans without a pose.
+void FollowMagnet(const MagnetOptions& options, const base::ToolState& tool, double dt_s, bool sensor_is_wrong,
+                  const DriftState& drift, Magnet& magnet) noexcept;
 
 // Variance of the moment that a pose's covariance has to contain: none of a magnet that is known.
 double PublishedVariance(const DriftState& drift, const Magnet& magnet) noexcept;

@@ -203,7 +203,8 @@ bool TryOtherHypotheses(const ScanContext& context, const FilterState& predicted
 
 Outcome TryColdHypothesis(const ScanContext& context, State& state, Measurement& measurement) noexcept {
   const Config& config = context.config;
-  if (state.magnet.identified && state.belief == kOtherPen) state.belief = kFirstLeftOut;
+  const bool one_pen = state.magnet.identified || state.doubt.left_out >= 0;  // a wrong sensor passes for another pen
+  if (one_pen && state.belief == kOtherPen) state.belief = kFirstLeftOut;
   if (state.magnet.foreign_s > 0 && state.belief > 0) state.belief = state.belief == 1 ? kOtherPen : 0;
   const int belief = CanDoubt(config, state) ? state.belief++ : 0;
   if (belief == 0) {

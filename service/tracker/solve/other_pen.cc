@@ -84,6 +84,7 @@ bool SeekMoment(const ScanContext& context, const Doubt& doubt, const Pose& star
   outcome.explained = away < 0;
   outcome.good = outcome.explained && IsInReach(config, outcome.fit.pose) && PositionVariance(outcome.fit) <= kKnown_m2;
   if (!outcome.good || well) return outcome.good;
+  if (doubt.left_out >= 0) return outcome.good = false;
   if (IsAmbientLively(config.drift, drift)) {
     outcome.good = outcome.fit.chi2 <= kOddlyOpen * DegreesOfFreedom(measurement);
     return outcome.good;
