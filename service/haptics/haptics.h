@@ -73,7 +73,8 @@ struct Input {
   std::span<const ObjectPose> poses;          // at t_ns, at most kMaxMoved; objects not named stay where they are
   std::span<const MaterialChange> materials;  // all that differ from the scene's, at most kMaxLiveMaterials
   SceneMotion scene_motion = SceneMotion::kStill;
-  bool pushed = false;  // something else moves the hand now: its energy is not counted against contacts
+  bool pushed = false;       // something else moves the hand now: its energy is not counted against contacts
+  bool constrained = false;  // nor is that of springs of the application
 };
 
 struct Contact {

@@ -292,6 +292,11 @@ bool Remember(const Config& config, const Input& input, State& state) noexcept {
   return steady;
 }
 
+// Nothing but contacts acts on the hand.
+bool IsAlone(const Input& input, bool steady, const State& state) noexcept {
+  return steady && state.ramp == 1 && !input.pushed && !input.constrained;
+}
+
 // A spring K d that a limit cuts to the share s has taken up K d^2 (s - s^2 / 2).
 double Watch(const Input& measured, const Touched& touched, bool steady, bool passive, State& state) noexcept {
   const double share = state.felt_share;
@@ -321,7 +326,7 @@ void Render(const Config& config, const StiffnessBound& bound, const Scene& scen
     others_N =
         touched.others_N + Play(config, bound, scene, input, touched.contacts_N + touched.others_N, state, output);
   }
-  const bool passive = steady && state.ramp == 1 && !touched.moving && !input.pushed && others_N == Vec3{};
+  const bool passive = IsAlone(input, steady, state) && !touched.moving && others_N == Vec3{};
   output.energy_gain = Watch(measured, touched, steady, passive, state);
   const Vec3 wanted_N = output.energy_gain * touched.contacts_N + others_N;
   Limit(config, input, input.tracked ? state.ramp * wanted_N : Vec3{}, state, output);
@@ -338,7 +343,7 @@ void StepClean(const Config& config, const Scene& scene, const Input& input, Sta
   }
   output.stiffness_offered_N_m = bound.along_N_m;
   if (state.last_force_N == Vec3{} && NothingHere(scene, input, tip, state)) {
-    output.energy_gain = Watch(input, {}, steady, steady && state.ramp == 1, state);
+    output.energy_gain = Watch(input, {}, steady, IsAlone(input, steady, state), state);
   } else {
     Render(config, bound, scene, input, tip, steady, state, output);
   }

@@ -30,7 +30,8 @@ constexpr std::array<Band, kSwingBands> kBands{{
     {3, 0.340, 0.100, Cause::kFed, true},
 }};
 constexpr std::size_t kSlowest = kSwingBands - 1;
-constexpr double kNoises = 3;  // standard deviations that are no swing
+constexpr double kNoises = 3;     // standard deviations that are no swing
+constexpr double kFedNoises = 5;  // from fewer, what the surface feeds is not known well enough
 constexpr int kHalves = 3;
 constexpr double kLasts = 0.95;  // of the half swing before: less is one that dies away
 
@@ -166,17 +167,18 @@ double WatchSwings(const ContactTick& tick, SwingState& state) noexcept {
   state.tip = tick.tip;
   state.acting = tick.acting;
   state.has_tip = true;
-  const double noise_N = kNoises * state.stiffness_N_m * tick.noise_m;
+  const double noise_N = state.stiffness_N_m * tick.noise_m;
   for (std::size_t b = 0; b < kSwingBands; ++b) {
     const Band& band = kBands[b];
     if (!touches && band.in_touch) state.bands[b] = {};
     if (band.cause == Cause::kLight && state.own) continue;
     const double half_max_s =
         band.cause == Cause::kLight ? 0.5 * LightPeriod_s(state.gain * state.stiffness_N_m) : band.period_max_s;
-    const double least_N = std::max(band.least_N / state.gain, noise_N);
+    const double noises = band.cause == Cause::kFed ? kFedNoises : kNoises;
+    const double least_N = std::max(band.least_N / state.gain, noises * noise_N);
     if (FollowBand(band, half_max_s, change, least_N, state.bands[b])) Cut(band, state.bands[b].damping_Ns_m, state);
   }
-  if (state.gain < 1) Recover(std::max(kIdle_N, noise_N), tick.dt_s, state);
+  if (state.gain < 1) Recover(std::max(kIdle_N, kNoises * noise_N), tick.dt_s, state);
   return state.gain;
 }
 

@@ -92,7 +92,8 @@ haptics::Input MakeHapticInput(const base::ToolState& tool, const base::ForceLim
           .acting = acting,
           .limit = limit,
           .poses = {},
-          .pushed = state.applied.force_presence > 0};
+          .pushed = state.applied.force_presence > 0,
+          .constrained = state.applied.last_N != base::Vec3{}};
 }
 
 // The application's own forces and constraints. Its silence, a control thread that is stuck, or a device with a fault

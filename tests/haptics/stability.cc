@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <numbers>
 
 #include "service/haptics/energy_watch.h"
 #include "service/haptics/scene.h"
@@ -205,6 +206,22 @@ TEST(EnergyWatch, DoesNotActOnOrdinaryPresses) {
     pen.Rest(50);
   }
   EXPECT_EQ(pen.state.energy.leaking_ticks, 0U);
+}
+
+// A hand in the air that something pushes on its way: it counts, unless that is a constraint of the application.
+TEST(EnergyWatch, DoesNotCountForcesOfConstraints) {
+  for (const bool constrained : {false, true}) {
+    Pen pen(Built(SceneOf(Block(4, {0.02, 0.02, 0.02}))));
+    pen.input.constrained = constrained;
+    double least_gain = 1;
+    for (int i = 0; i < 4000; ++i) {
+      const double phase = 2 * std::numbers::pi * 8e-3 * i;
+      pen.input.acting = {true, {0, 0, 0.5 * std::cos(phase)}, 1};
+      pen.MoveTo({0, 0, 0.06 + 0.004 * std::sin(phase)});
+      least_gain = std::min(least_gain, pen.output.energy_gain);
+    }
+    EXPECT_EQ(least_gain == 1, constrained) << least_gain;
+  }
 }
 
 // 20 ms without a pose do not turn a plate's sides round.
