@@ -17,6 +17,7 @@ constexpr int kMomentStarts = 3, kMomentSteps = 8;
 constexpr double kMomentStepMax = 0.25, kMomentSettled = 0.3;
 constexpr double kForeignSigmas = 2, kForeign_s = 2;  // beyond what a pen may have: then it is none, for so long
 constexpr double kMomentMin = 0.1, kMomentMax = 3;    // where it may lead, to see that a magnet is no pen's
+constexpr double kUnsure = 0.04;    // of the moment, where the last pen fits and nothing says that it is there
 constexpr double kOddlyOpen = 2.5;  // chi2 per degree of freedom of another pen in any ambient field, at most
 constexpr double kSimpler = 4;      // of chi2: so much less does not make any other field likelier than another pen
 
@@ -132,7 +133,7 @@ void MeetMagnet(const ScanContext& context, const DriftState& before, const Doub
   }
   Fit fit = outcome.fit;
   const MomentEvidence said = MomentAt(context, drift, measurement, fit, magnet);
-  if (!said.valid) return SetMoment(MomentScale(drift) - 1, options.unknown * options.unknown, drift);
+  if (!said.valid) return SetMoment(MomentScale(drift) - 1, kUnsure * kUnsure, drift);
   const double variance = 1 / said.information, shift = said.gradient * variance;
   const double expected = variance + options.warmth * options.warmth;
   if (shift * shift <= options.odd_sigmas * options.odd_sigmas * expected) {
@@ -140,7 +141,7 @@ void MeetMagnet(const ScanContext& context, const DriftState& before, const Doub
     const double posterior = 1 / (said.information + known);
     if (posterior <= options.identified * options.identified) return ConfirmMagnet(drift, magnet);
     outcome.good = outcome.fit.chi2 <= kOddly * DegreesOfFreedom(measurement);  // else it is no pen, or another
-    SetMoment(MomentScale(drift) - 1, options.unknown * options.unknown, drift);
+    SetMoment(MomentScale(drift) - 1, kUnsure * kUnsure, drift);
     return;
   }
   trial = before;
