@@ -1,4 +1,3 @@
-#pragma GCC diagnostic ignored "-Wold-style-cast"
 // omni-bench room: tracking outside a laboratory. Per condition ten bases, each calibrated by the whole of `omni
 // calibrate` in that room, then the product's own tracker on a minute of a waved pen. A simulation: the twin makes the
 // scans and is the reference.
@@ -202,16 +201,6 @@ void TrackWave(const base::DeviceGeometry& device, const tracker::Config& config
   for (const sim::TraceRow& row : sim::RecordTrace(rig, options)) {
     tracker::Update(config, row.scan, state, tool);
     judge.Add(tool, row.pose.centre_base_m);
-    if (getenv("ONLY")) {
-      static int n = 0; ++n;
-      const double e = 1e3 * base::Norm(tool.position_base_m - row.pose.centre_base_m), sg = 1e3 * std::sqrt(tool.covariance[0] + tool.covariance[6] + tool.covariance[12]);
-      const auto& d = state.drift;
-      static int last_status = -1, last_out = -2, last_which = -9; static bool last_id = false, last_silent = false;
-      const bool silent = tool.status == base::TrackingStatus::kTracking && e > 5 * sg;
-      if ((int)tool.status != last_status || state.doubt.left_out != last_out || state.magnet.which != last_which || state.magnet.identified != last_id || silent != last_silent || n % 500 == 0)
-        fprintf(stderr, "t %.3f st %d e %.3f s %.3f out %d err %.4f chi %.2f m %.4f +- %.4f id %d which %d amb %.1f %.1f %.1f uT wander %g stray on %d bel %d found %d chi2 %.1f dof %d\n", n * 1e-3, (int)tool.status, e, sg, state.doubt.left_out, state.doubt.model_error, state.doubt.chi2_per_dof, 1 + d.mean[6], std::sqrt(d.covariance[48]), state.magnet.identified, state.magnet.which, 1e6 * d.mean[3], 1e6 * d.mean[4], 1e6 * d.mean[5], d.ambient_wander_T2_s, state.stray.on, state.stray.believed, state.stray.dipole.found, tool.chi2, tool.dof);
-      last_status = (int)tool.status; last_out = state.doubt.left_out; last_which = state.magnet.which; last_id = state.magnet.identified; last_silent = silent;
-    }
   }
 }
 
@@ -274,10 +263,7 @@ Tallies RunPairs(BaseInRooms& base, std::uint64_t seed, std::size_t pairs) {
   Random draw(seed ^ 0xBA12);
   Tallies sums;
   for (std::size_t p = 0; p < pairs; ++p) {
-    const auto pair = DrawPair(all, draw);
-    if (getenv("ONLY") && std::to_string(seed) + ":" + std::to_string(p) != getenv("ONLY")) continue;
-    const Tallies done = base.Run(pair, seed + 1 + p, kPairRun_s);
-    fprintf(stderr, "PAIR %llu:%zu %s + %s silent %zu / %zu  F %zu\n", (unsigned long long)seed, p, pair[0]->name.c_str(), pair[1]->name.c_str(), done[0].silent, done[0].poses, done[1].silent);
+    const Tallies done = base.Run(DrawPair(all, draw), seed + 1 + p, kPairRun_s);
     for (std::size_t f = 0; f < sums.size(); ++f) sums[f].Add(done[f]);
   }
   for (Tally& sum : sums) sum.recovery_ms.clear();  // would be those of only one of the two
