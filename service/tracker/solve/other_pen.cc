@@ -17,7 +17,7 @@ constexpr int kMomentStarts = 3, kMomentSteps = 8;
 constexpr double kMomentStepMax = 0.25, kMomentSettled = 0.3;
 constexpr double kForeignSigmas = 2, kForeign_s = 2;  // beyond what a pen may have: then it is none, for so long
 constexpr double kMomentMin = 0.1, kMomentMax = 3;    // where it may lead, to see that a magnet is no pen's
-constexpr double kUnsure = 0.045;   // of the moment, where the last pen fits and nothing says that it is there
+constexpr double kUnsure = 0.045;   // of the moment, where the last pen fits and a scan says too little
 constexpr double kOddlyOpen = 2.5;  // chi2 per degree of freedom of another pen in any ambient field, at most
 constexpr double kSimpler = 4;      // of chi2: so much less does not make any other field likelier than another pen
 
@@ -145,7 +145,6 @@ void MeetMagnet(const ScanContext& context, const DriftState& before, const Doub
     return;
   }
   trial = before;
-  outcome.good = outcome.explained = false;
   if (!SeekMoment(context, doubt, start, trial, measurement, outcome, magnet)) {
     trial = drift;
     OpenAmbient(context.config.drift, trial);
