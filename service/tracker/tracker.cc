@@ -136,11 +136,10 @@ void Hold(const Config& config, const base::HallScan& scan, State& state) noexce
   if (absent) state.warm = false;
 }
 
-// Filter and publish; false when arithmetic went wrong, which only a hostile scan could cause.
-bool Publish(const Config& config, const base::HallScan& scan, const Outcome& outcome, double systematic,
-             const FilterState& predicted, double dt_s, bool continues, State& state) noexcept {
+// Filter, from its prediction, and publish; false when arithmetic went wrong, which only a hostile scan could cause.
+bool Publish(const Config& config, const base::HallScan& scan, const Outcome& outcome, double systematic, double dt_s,
+             bool continues, FilterState& filter, State& state) noexcept {
   const PoseMeasurement measured = ToMeasurement(outcome.fit);
-  FilterState filter = predicted;
   if (continues && !outcome.cold) {
     CorrectFilter(config.filter, measured, dt_s, filter);
   } else {
@@ -373,7 +372,7 @@ void Update(const Config& config, const base::HallScan& as_read, State& state, b
     outcome.fit.covariance *= unsure * unsure;
   }
   state.currents = currents;
-  if (!outcome.good || !Publish(config, scan, outcome, measurement.systematic_share, predicted, dt_s, continues, state))
+  if (!outcome.good || !Publish(config, scan, outcome, measurement.systematic_share, dt_s, continues, predicted, state))
     Hold(config, scan, state);
   LearnAway(config, scan, state.published.status == base::TrackingStatus::kAbsent && !frozen, state);
   Describe(config, scan, measurement, outcome, state.explained, state.published);

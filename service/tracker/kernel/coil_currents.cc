@@ -12,7 +12,7 @@ constexpr double kScanGapMax_s = 5e-3;  // means are not interpolated over a lon
 constexpr std::uint64_t kTickGapMax = 20;
 constexpr double kLeak_s = 1e-7;       // per tick: 100 ppm
 constexpr double kCurrentMax_A = 1e3;  // a larger value is no current
-constexpr double kStep_s = base::kTickPeriod_s / base::kStepsPerTick;
+constexpr double kSteps_Hz = base::kStepsPerTick / base::kTickPeriod_s;
 
 bool TellsSteps(const base::HallScan& scan) noexcept {
   return scan.has_steps != 0 && scan.tick_lead_ns >= 0 && scan.tick_lead_ns <= 2 * base::kTickPeriod_ns &&
@@ -97,13 +97,13 @@ CurrentInstant CoilCurrents::At(double age_s) const noexcept {
     return instant;
   }
   constexpr double kLast = 2 * base::kStepsPerTick;
-  const double at = std::clamp(kLast - before_end_s / kStep_s, 0.0, kLast);
+  const double at = std::clamp(kLast - before_end_s * kSteps_Hz, 0.0, kLast);
   const auto j = static_cast<std::size_t>(std::min(at, kLast - 1));
   const double share = at - static_cast<double>(j);
   for (std::size_t k = 0; k < instant.current_A.size(); ++k) {
     const double step_A = now_.at_A[j + 1][k] - now_.at_A[j][k];
     instant.current_A[k] = now_.at_A[j][k] + share * step_A;
-    instant.rate_A_s[k] = step_A / kStep_s;
+    instant.rate_A_s[k] = step_A * kSteps_Hz;
   }
   return instant;
 }

@@ -183,7 +183,8 @@ Kept Hold(const base::DeviceGeometry& device, const loop::TickConfig& config, co
 }
 
 std::vector<Case> Cases(bool quick) {
-  const std::vector<double> hands_N_m = quick ? std::vector<double>{400} : std::vector<double>{100, 200, 300, 400, 500};
+  const std::vector<double> hands_N_m =
+      quick ? std::vector<double>{400} : std::vector<double>{100, 150, 200, 300, 400, 500};
   std::vector<Case> cases;
   for (const Motion& motion : Motions(quick)) {
     for (const double hand_N_m : hands_N_m) {

@@ -1,7 +1,7 @@
-// omni-bench paired: the tick's time before and after a change, on a nearly nominal base without a room, the only one
-// that older programs know. Both programs replay the same recorded scans; of each tick the least of many replays
-// counts, which excludes other work of the machine: two builds of the same commit differ by a few hundredths of a
-// microsecond, where the 99th percentile of single runs jumps by a half.
+// omni-bench paired: the tick's time before and after a change, on the default twin, a calibrated base in its room.
+// Both programs replay the same recorded scans, each with its own calibration of that base, in the shipped scenes and
+// in none; of each tick the least of many replays counts, which excludes other work of the machine: two builds of the
+// same commit differ by a few hundredths of a microsecond, where the 99th percentile of single runs jumps by a half.
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -12,8 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "service/base/truth_parameters.h"
-#include "service/config/files/device_file.h"
+#include "service/config/files/twin_file.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
 #include "service/tools/common/command_line.h"
@@ -63,9 +62,9 @@ base::Result<Scans> Read(const std::string& path) {
   return scans;
 }
 
-nlohmann::ordered_json Play(const std::string& name, const haptics::Scene& scene, const Scans& scans, int replays) {
+nlohmann::ordered_json Play(const std::string& name, const loop::TickConfig& config, const haptics::Scene& scene,
+                            const Scans& scans, int replays) {
   using Clock = std::chrono::steady_clock;
-  const loop::TickConfig config = loop::MakeTickConfig(config::DefaultDevice());
   std::vector<double> least_us(scans.size(), 1e9);
   std::size_t touching = 0;
   for (int replay = 0; replay < replays; ++replay) {
@@ -89,6 +88,8 @@ nlohmann::ordered_json Play(const std::string& name, const haptics::Scene& scene
 
 int RunPaired(const PairedArguments& arguments) {
   loop::FlushDenormals();
+  const auto config = test::CalibratedTick(arguments.seed);
+  if (!config.ok()) return tools::Fail(kCommand, config.error());
   tools::Rows rows;
   for (const char* name : kPairedScenes) {
     const std::string path = tools::ShippedScene(name);
@@ -96,15 +97,15 @@ int RunPaired(const PairedArguments& arguments) {
     if (!loaded.ok()) return tools::Fail(kCommand, loaded.error());
     const std::string file = ScansFile(arguments.folder, name);
     if (arguments.record) {
-      const auto config = loop::MakeTickConfig(config::DefaultDevice());
-      const auto scans = test::RecordScans(config, loaded->scene, path, arguments.seed, base::TruthParameters{});
+      const auto scans = test::RecordScans(*config, loaded->scene, path, arguments.seed, config::RoomTwin());
       if (!scans.ok()) return tools::Fail(kCommand, scans.error());
       if (const std::string problem = Write(file, *scans); !problem.empty()) return tools::Fail(kCommand, problem);
       continue;
     }
     const auto scans = Read(file);
     if (!scans.ok()) return tools::Fail(kCommand, scans.error());
-    rows.push_back(Play(name, loaded->scene, *scans, arguments.replays));
+    if (rows.empty()) rows.push_back(Play("none", *config, haptics::Scene(), *scans, arguments.replays));
+    rows.push_back(Play(name, *config, loaded->scene, *scans, arguments.replays));
   }
   if (arguments.record) return tools::kExitOk;
   std::cout << tools::RowTable(rows);
@@ -118,7 +119,7 @@ void AddPaired(Command& app) {
   auto arguments = std::make_shared<PairedArguments>();
   paired.Add("folder", arguments->folder, "of the recorded scans").Required().ExistingFolder();
   paired.Add("--record", arguments->record, "record them there (simulated by the digital twin) and time nothing");
-  paired.Add("--seed", arguments->seed, "of the twin, for --record").ShowDefault();
+  paired.Add("--seed", arguments->seed, "of the twin; the same for --record and the replays").ShowDefault();
   paired.Add("--replays", arguments->replays, "of each tick; the least counts").Range(1, 1000).ShowDefault();
   paired.Add("--json", arguments->json, "write {name, commit, machine, rows} here as well");
   paired.Run(arguments, RunPaired);
