@@ -18,6 +18,7 @@
 #include "service/sim/hand/ordinary_hand.h"
 #include "service/sim/twin/loopback.h"
 #include "service/tools/calibrate/calibrate_twin.h"
+#include "tests/support/rig/magnet_of_scan.h"
 
 namespace omni::test {
 namespace test_tools_pens {
@@ -89,7 +90,7 @@ class PenScenario {
       tracker::MagnetOptions& magnets = config_.tracker.magnets;
       magnets.known[static_cast<std::size_t>(magnets.known_count++)] = known;
     }
-    before_ = base_->core().Truth();
+    magnet_.emplace(base_->core().Truth());
   }
 
   void Step() {
@@ -98,10 +99,7 @@ class PenScenario {
     loop::Tick(config_, scan, {.t_ns = scan.t_ns}, scene_, *state_, *output_);
     base_->Write(output_->currents);
     const sim::TruthRow now = base_->core().Truth();
-    const double whole_ns = static_cast<double>(std::max<std::int64_t>(1, now.t_ns - before_.t_ns));
-    const double share = std::clamp(static_cast<double>(scan.t_ns - before_.t_ns) / whole_ns, 0.0, 1.0);
-    centre_m_ = before_.magnet_m + share * (now.magnet_m - before_.magnet_m);
-    before_ = now;
+    centre_m_ = magnet_->At(scan.t_ns, now);
     if (++ticks_ % 100 < 5) watch_->Add({scan, output_->tool});
     ghosts_ += posed() && !now.present ? 1 : 0;
     silent_ += posed() && now.present && error_m() > kSilentSigmas * sigma_m() ? 1 : 0;
@@ -143,7 +141,7 @@ class PenScenario {
   const std::unique_ptr<loop::LoopState> state_ = std::make_unique<loop::LoopState>();
   const std::unique_ptr<loop::TickOutput> output_ = std::make_unique<loop::TickOutput>();
   const haptics::Scene scene_;
-  sim::TruthRow before_;
+  std::optional<support::MagnetOfScan> magnet_;
   Vec3 centre_m_;
   double error_sum_m_ = 0, mean_error_m_ = 0;
   int ticks_ = 0, silent_ = 0, ghosts_ = 0;

@@ -2,7 +2,6 @@
 // calibration, or with the base turned. A simulated base, calibrated as by `omni calibrate`; compared with its truth.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -14,6 +13,7 @@
 #include "service/sim/twin/loopback.h"
 #include "service/tools/calibrate/calibrate_twin.h"
 #include "service/tracker/tracker.h"
+#include "tests/support/rig/magnet_of_scan.h"
 #include "tests/support/rig/rig.h"
 #include "tests/support/rig/rig_recording.h"
 
@@ -87,17 +87,14 @@ Start Play(const TruthParameters& truth, const sim::HandScript& script, double r
   tracker::State state;
   base::ToolState tool;
   base::HallScan scan;
-  sim::TruthRow before = base.core().Truth();
+  support::MagnetOfScan magnet(base.core().Truth());
   Start start;
   bool posed = false;
   for (int tick = 0; tick < 1000 * run_s; ++tick) {
     base.Tick(scan);
     tracker::Update(*Calibrated(), scan, state, tool);
     const sim::TruthRow now = base.core().Truth();
-    const double whole_ns = static_cast<double>(std::max<std::int64_t>(1, now.t_ns - before.t_ns));
-    const double share = std::clamp(static_cast<double>(scan.t_ns - before.t_ns) / whole_ns, 0.0, 1.0);
-    const Vec3 centre_m = before.magnet_m + share * (now.magnet_m - before.magnet_m);
-    before = now;
+    const Vec3 centre_m = magnet.At(scan.t_ns, now);
     const bool has_pose = tool.status == base::TrackingStatus::kTracking;
     if (has_pose && !posed) start.posed_at_m = base::Norm(centre_m);
     posed = has_pose;

@@ -14,6 +14,7 @@
 #include "service/sim/hand/ordinary_hand.h"
 #include "service/sim/twin/loopback.h"
 #include "service/tracker/tracker.h"
+#include "tests/support/rig/magnet_of_scan.h"
 
 namespace omni::tracker {
 namespace test_tracker_drawn {
@@ -40,17 +41,12 @@ Tally Play(const base::TruthParameters& truth, std::uint64_t seed, const sim::Ha
   base::ToolState tool;
   base::HallScan scan;
   Tally run;
-  Vec3 before_m;
-  std::int64_t before_ns = 0;
+  support::MagnetOfScan magnet({});
   for (int tick = 0; tick < 1000 * run_s; ++tick) {
     base.Tick(scan);
     Update(config, scan, state, tool);
     const sim::TruthRow now = base.core().Truth();
-    const double whole_ns = static_cast<double>(std::max<std::int64_t>(1, now.t_ns - before_ns));
-    const double share = std::clamp(static_cast<double>(scan.t_ns - before_ns) / whole_ns, 0.0, 1.0);
-    const Vec3 centre_m = before_m + share * (now.magnet_m - before_m);
-    before_m = now.magnet_m;
-    before_ns = now.t_ns;
+    const Vec3 centre_m = magnet.At(scan.t_ns, now);
     if (tick < 1000 * from_s) continue;
     ++run.scans;
     if (tool.status != base::TrackingStatus::kTracking) continue;

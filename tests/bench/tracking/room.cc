@@ -26,6 +26,7 @@
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"
 #include "tests/bench/harness/room_conditions.h"
+#include "tests/support/rig/magnet_of_scan.h"
 #include "tests/support/rig/trace.h"
 
 namespace omni::bench {
@@ -172,7 +173,7 @@ void PressBox(const base::DeviceGeometry& device, const loop::TickConfig& config
   const auto output = std::make_unique<loop::TickOutput>();
   loop::EnterScene(scene, 1, *state);
   base::HallScan scan;
-  sim::TruthRow before = base.core().Truth();
+  support::MagnetOfScan magnet(base.core().Truth());
   for (auto ticks = static_cast<std::size_t>(run_s / base::kTickPeriod_s); ticks > 0; --ticks) {
     base.Tick(scan);
     const sim::TruthRow now = base.core().Truth();
@@ -181,13 +182,7 @@ void PressBox(const base::DeviceGeometry& device, const loop::TickConfig& config
         .t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1};
     loop::Tick(config, scan, commands, scene, *state, *output);
     base.Write(output->currents);
-    // The scan is of an instant between the two.
-    const double share = std::clamp(static_cast<double>(scan.t_ns - before.t_ns) /
-                                        static_cast<double>(std::max<std::int64_t>(1, now.t_ns - before.t_ns)),
-                                    0.0, 1.0);
-    judge.Add(output->tool, before.magnet_m + share * (now.magnet_m - before.magnet_m),
-              base::Norm(output->wrench.force_N));
-    before = now;
+    judge.Add(output->tool, magnet.At(scan.t_ns, now), base::Norm(output->wrench.force_N));
   }
 }
 
