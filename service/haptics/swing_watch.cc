@@ -33,6 +33,8 @@ constexpr std::size_t kSlowest = kSwingBands - 1;
 constexpr double kNoises = 3;     // standard deviations that are no swing
 constexpr double kFedNoises = 5;  // from fewer, what the surface feeds is not known well enough
 constexpr int kHalves = 3;
+constexpr double kDeeper =
+    1.5;  // of the longest half swing of a light hand: the one that presses; the other may be longer
 constexpr double kLasts = 0.95;  // of the half swing before: less is one that dies away
 
 // The heaviest light hand and its softest spring: nothing lighter swings slower.
@@ -88,8 +90,9 @@ bool FollowBand(const Band& band, double half_max_s, const Change& change, doubl
   if (state.half_s > band.period_max_s) state.halves = 0;
   const int side = state.swing_N > least_N ? 1 : state.swing_N < -least_N ? -1 : 0;
   if (side == 0 || side == state.side) return false;
-  const bool fast =
-      state.half_s + state.last_half_s <= band.period_max_s && std::min(state.half_s, state.last_half_s) <= half_max_s;
+  const double deeper_s = state.side < 0 ? state.half_s : state.last_half_s;
+  const bool fast = state.half_s + state.last_half_s <= band.period_max_s &&
+                    std::min(state.half_s, state.last_half_s) <= half_max_s && deeper_s <= kDeeper * half_max_s;
   const bool lasts = fast && state.last_peak_N > 0 && state.peak_N > kLasts * state.last_peak_N;
   state.halves = std::clamp(state.halves + (lasts ? 1 : -1), 0, kHalves);
   state.damping_Ns_m = state.motion_m2_s > 0 ? state.fed_J / state.motion_m2_s : 0;
