@@ -33,13 +33,13 @@ constexpr std::size_t kSlowest = kSwingBands - 1;
 constexpr double kNoises = 3;     // standard deviations that are no swing
 constexpr double kFedNoises = 5;  // from fewer, what the surface feeds is not known well enough
 constexpr int kHalves = 3;
-constexpr double kDeeper =
-    1.5;  // of the longest half swing of a light hand: the one that presses; the other may be longer
-constexpr double kLasts = 0.95;  // of the half swing before: less is one that dies away
+constexpr double kPressing = 1.2;  // of the longest half swing of a light hand: of the one that presses
+constexpr double kLasts = 0.95;    // of the half swing before: less is one that dies away
 
 // The heaviest light hand and its softest spring: nothing lighter swings slower.
 constexpr double kLightMass_kg = 0.0525, kLightStiffness_N_m = 130;
 constexpr double kLightDamping_Ns_m = 0.04;  // of which a surface may take so much, less than the least that it has
+constexpr double kLeastDamping_Ns_m = 0.1;   // of any hand: what takes less does not make it swing
 // More than kMayTake_Ns_m by what noise adds: ordinary hands reach 0.71 (tests/haptics/swing.cc).
 constexpr double kFed_Ns_m = 0.8;
 constexpr double kKeep = 0.85;      // of the work of earlier half swings
@@ -90,9 +90,9 @@ bool FollowBand(const Band& band, double half_max_s, const Change& change, doubl
   if (state.half_s > band.period_max_s) state.halves = 0;
   const int side = state.swing_N > least_N ? 1 : state.swing_N < -least_N ? -1 : 0;
   if (side == 0 || side == state.side) return false;
-  const double deeper_s = state.side < 0 ? state.half_s : state.last_half_s;
+  const double pressing_s = state.side < 0 ? state.half_s : state.last_half_s;
   const bool fast = state.half_s + state.last_half_s <= band.period_max_s &&
-                    std::min(state.half_s, state.last_half_s) <= half_max_s && deeper_s <= kDeeper * half_max_s;
+                    std::min(state.half_s, state.last_half_s) <= half_max_s && pressing_s <= kPressing * half_max_s;
   const bool lasts = fast && state.last_peak_N > 0 && state.peak_N > kLasts * state.last_peak_N;
   state.halves = std::clamp(state.halves + (lasts ? 1 : -1), 0, kHalves);
   state.damping_Ns_m = state.motion_m2_s > 0 ? state.fed_J / state.motion_m2_s : 0;
@@ -107,7 +107,8 @@ bool FollowBand(const Band& band, double half_max_s, const Change& change, doubl
 }
 
 // The work W = c V that a swing took from the hand is proportional to the gain: c g' / g of damping is taken at g'.
-void Cut(const Band& band, double taken_Ns_m, SwingState& state) noexcept {
+void Cut(const Band& band, bool known, double taken_Ns_m, SwingState& state) noexcept {
+  if (band.cause == Cause::kLight && known && !(taken_Ns_m > kLeastDamping_Ns_m)) return;
   if (band.cause == Cause::kFed) {
     if (!(taken_Ns_m > kFed_Ns_m)) return;
     state.gain *= std::max(kFall, kMayTake_Ns_m / taken_Ns_m);
@@ -179,7 +180,8 @@ double WatchSwings(const ContactTick& tick, SwingState& state) noexcept {
         band.cause == Cause::kLight ? 0.5 * LightPeriod_s(state.gain * state.stiffness_N_m) : band.period_max_s;
     const double noises = band.cause == Cause::kFed ? kFedNoises : kNoises;
     const double least_N = std::max(band.least_N / state.gain, noises * noise_N);
-    if (FollowBand(band, half_max_s, change, least_N, state.bands[b])) Cut(band, state.bands[b].damping_Ns_m, state);
+    if (FollowBand(band, half_max_s, change, least_N, state.bands[b]))
+      Cut(band, tick.acting.known, state.bands[b].damping_Ns_m, state);
   }
   if (state.gain < 1) Recover(std::max(kIdle_N, kNoises * noise_N), tick.dt_s, state);
   return state.gain;
