@@ -17,17 +17,17 @@ enum class Cause : std::uint8_t {
 };
 
 // Half swings of a kind: slower motion than `corner_Hz` is no swing; two last at most `period_max_s` (where the tip
-// leaves the surface one is longer than the other) and each reaches `least_N`.
+// leaves the surface one is longer than the other) and each reaches `least_N`. A cut leaves at least `falls_to`.
 struct Band {
-  double corner_Hz, period_max_s, least_N;
+  double corner_Hz, period_max_s, least_N, falls_to;
   Cause cause;
   bool in_touch;  // what leaves the surface in between is a hand that taps
 };
 constexpr std::array<Band, kSwingBands> kBands{{
-    {16, 0.062, 0.005, Cause::kFast, false},
-    {6, 0.120, 0.100, Cause::kLight, false},
-    {6, 0.120, 0.100, Cause::kFed, false},
-    {3, 0.340, 0.100, Cause::kFed, true},
+    {16, 0.062, 0.005, 0.20, Cause::kFast, false},
+    {6, 0.120, 0.100, 0.20, Cause::kLight, false},
+    {6, 0.120, 0.100, 0.20, Cause::kFed, false},
+    {3, 0.340, 0.100, 0.55, Cause::kFed, true},  // slow enough to wait for the next half swing
 }};
 constexpr std::size_t kSlowest = kSwingBands - 1;
 constexpr double kNoises = 3;     // standard deviations that are no swing
@@ -46,7 +46,7 @@ constexpr double kKeep = 0.85;      // of the work of earlier half swings
 constexpr double kStep_s = 4.5e-3;  // the speed over less is mostly noise
 // A light hand keeps this share of the stiffness, and at most b / (2 D) = 5 N/m: a hand of b = 0.1 Ns/m holds that
 // still against replies that take D = 10 ms.
-constexpr double kFall = 0.2, kGainMin = 0.01, kLeft_N_m = 5;
+constexpr double kGainMin = 0.01, kLeft_N_m = 5;
 constexpr double kHeld = 0.08;   // and gets back at most this share while it touches
 constexpr double kLeft_s = 0.1;  // in the air: forgotten
 constexpr double kIdle_s = 0.5, kIdle_N = 0.05, kRise_s = 0.3, kForget_s = 500;
@@ -111,12 +111,12 @@ void Cut(const Band& band, bool known, double taken_Ns_m, SwingState& state) noe
   if (band.cause == Cause::kLight && known && !(taken_Ns_m > kLeastDamping_Ns_m)) return;
   if (band.cause == Cause::kFed) {
     if (!(taken_Ns_m > kFed_Ns_m)) return;
-    state.gain *= std::max(kFall, kMayTake_Ns_m / taken_Ns_m);
+    state.gain *= std::max(band.falls_to, kMayTake_Ns_m / taken_Ns_m);
     state.held = std::min(state.held, state.gain);
   } else {
     const double share = taken_Ns_m > 0 ? std::min(kHeld, kLightDamping_Ns_m / taken_Ns_m) : kHeld;
     state.held = std::min(state.held, share * state.gain);
-    state.gain = std::min(kFall * state.gain, kLeft_N_m / state.stiffness_N_m);
+    state.gain = std::min(band.falls_to * state.gain, kLeft_N_m / state.stiffness_N_m);
   }
   state.gain = std::max(kGainMin, state.gain);
   state.held = std::max(kGainMin, state.held);
