@@ -119,14 +119,20 @@ class SwingWatchHand : public testing::Test {
 
 TEST_F(SwingWatchHand, TappingKeepsFullGain) { EXPECT_EQ(Move(0, 4e-3, 6, 3), 1); }
 TEST_F(SwingWatchHand, TremorKeepsFullGain) { EXPECT_EQ(Move(-3e-3, 2e-4, 10, 3), 1); }
-// Two frequencies: where they cancel, short half swings come between longer ones inwards; a light hand's would be
-// shorter.
+// Two waves: where they cancel, short half swings come between longer ones inwards; a light hand's would be shorter.
 TEST_F(SwingWatchHand, BeatingTremorKeepsFullGain) {
+  struct Beat {
+    double amplitude_m, slow_Hz, fast_Hz, phase_rad;
+  };
   constexpr double kTurn = 2 * 3.14159265358979;
-  for (int k = 0; k < 1000; ++k) {
-    const double t_s = 1e-3 * k;
-    pen_->MoveTo({0, 0, 0.0155 + 2e-3 * (std::sin(kTurn * 8.5 * t_s) + std::sin(kTurn * 12 * t_s + 1))});
-    ASSERT_EQ(pen_->output.energy_gain, 1) << k;
+  for (const Beat& beat : {Beat{2e-3, 8.5, 12, 1}, Beat{1e-3, 8, 12.2, 2.7}}) {
+    Move(5e-3, 0, 1, 0.3);
+    for (int k = 0; k < 1000; ++k) {
+      const double t_s = 1e-3 * k;
+      const double waves = std::sin(kTurn * beat.slow_Hz * t_s) + std::sin(kTurn * beat.fast_Hz * t_s + beat.phase_rad);
+      pen_->MoveTo({0, 0, 0.0155 + beat.amplitude_m * waves});
+      ASSERT_EQ(pen_->output.energy_gain, 1) << beat.slow_Hz << " Hz, tick " << k;
+    }
   }
 }
 TEST_F(SwingWatchHand, RubbingKeepsFullGain) { EXPECT_EQ(Move(-4e-3, 3e-3, 2, 3), 1); }
