@@ -17,7 +17,8 @@ enum class Cause : std::uint8_t {
 };
 
 // Half swings of a kind: slower motion than `corner_Hz` is no swing; two last at most `period_max_s` (where the tip
-// leaves the surface one is longer than the other) and each reaches `least_N`. A cut leaves at least `falls_to`.
+// leaves the surface one is longer than the other) and each reaches `least_N`. Of the gain a cut leaves `falls_to`: at
+// least, if the swing is fed, else at most.
 struct Band {
   double corner_Hz, period_max_s, least_N, falls_to;
   Cause cause;
@@ -107,6 +108,7 @@ bool FollowBand(const Band& band, double half_max_s, const Change& change, doubl
 }
 
 // The work W = c V that a swing took from the hand is proportional to the gain: c g' / g of damping is taken at g'.
+// `known`: the acting force was, from which c comes.
 void Cut(const Band& band, bool known, double taken_Ns_m, SwingState& state) noexcept {
   if (band.cause == Cause::kLight && known && !(taken_Ns_m > kLeastDamping_Ns_m)) return;
   if (band.cause == Cause::kFed) {
@@ -180,8 +182,9 @@ double WatchSwings(const ContactTick& tick, SwingState& state) noexcept {
         band.cause == Cause::kLight ? 0.5 * LightPeriod_s(state.gain * state.stiffness_N_m) : band.period_max_s;
     const double noises = band.cause == Cause::kFed ? kFedNoises : kNoises;
     const double least_N = std::max(band.least_N / state.gain, noises * noise_N);
-    if (FollowBand(band, half_max_s, change, least_N, state.bands[b]))
+    if (FollowBand(band, half_max_s, change, least_N, state.bands[b])) {
       Cut(band, tick.acting.known, state.bands[b].damping_Ns_m, state);
+    }
   }
   if (state.gain < 1) Recover(std::max(kIdle_N, kNoises * noise_N), tick.dt_s, state);
   return state.gain;
