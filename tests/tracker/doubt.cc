@@ -349,6 +349,23 @@ TEST_P(TrackerDoubt, PenPlacedBesideARestingPenIsFound) {
   EXPECT_EQ(state.doubt.left_out, -1);
 }
 
+// A magnet explains other readings than those of a sensor that was left out before it came.
+TEST_P(TrackerDoubt, NearbyPenDoesNotReadmitAFaultySensor) {
+  Run(2000);
+  const auto sensor = static_cast<std::size_t>(GetParam()) % kSensors;
+  fault = [&](base::HallScan& scan) { Scale(1.1, scan.field_sensor_T[sensor]); };
+  Run(500);
+  ASSERT_EQ(state.doubt.left_out, static_cast<int>(sensor));
+  DrawOtherPen();
+  EXPECT_LE(CarryOtherPen(1, 0.3), 20);
+  for (int i = 0; i < 5000; ++i) {
+    EXPECT_TRUE(Feed());
+    EXPECT_LT(Error_m(), 5 * Sigma_m());
+    EXPECT_EQ(state.doubt.left_out, static_cast<int>(sensor));
+  }
+  EXPECT_TRUE(state.stray.dipole.found);
+}
+
 // As after a search step that went too far: its field is larger than in any room, and nothing else is wrong.
 TEST_P(TrackerDoubt, ImplausibleStrayMagnetIsSearchedForAgain) {
   Run(2000);

@@ -52,8 +52,7 @@ void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept {
 
 void Clear(double model_error, Doubt& doubt) noexcept {
   doubt.model_error = std::min(doubt.model_error, model_error);
-  doubt.left_out = -1;
-  doubt.agreed = 0;
+  doubt.agreed = doubt.agree_needed = 0;
   doubt.chi2_per_dof = doubt.chi2_lately = 1;
   EndTrials(doubt);
 }

@@ -69,7 +69,8 @@ void EndTrials(Doubt& doubt) noexcept;
 // Leaves out sensor `sensor` from now on; -1: none.
 void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept;
 
-// A magnet nearby explains what did not fit: no sensor is wrong, and the calibration is no worse than model_error.
+// A magnet nearby explains what did not fit: the calibration is no worse than model_error, and a sensor left out must
+// agree again for the shortest time only.
 void Clear(double model_error, Doubt& doubt) noexcept;
 
 // Factor on a pose's standard deviation while scans fit badly. `misfit`: that of a magnet nearby, relative to the
