@@ -139,7 +139,9 @@ struct SwingState {
   double held = 1;                           // what the hand holds: the gain comes back to it
   double cut_s = 0, idle_s = 0;              // since the last cut; since anything moved
   double first_peak_N = 0, last_peak_N = 0;  // of the motion soon after the cut, and later
-  bool own = false;                          // the hand trembles by itself
+  bool own = false;                          // the hand trembles by itself ...
+  double own_N = 0, held_before = 0;         // ... by so much; and what it was thought to hold
+  bool fed = false;                          // that was wrong
 };
 
 // A soft body that is touched: slot k of its contacts is State::contacts[k].

@@ -34,6 +34,9 @@ constexpr std::size_t kSlowest = kSwingBands - 1;
 constexpr double kNoises = 3;     // standard deviations that are no swing
 constexpr double kFedNoises = 5;  // from fewer, what the surface feeds is not known well enough
 constexpr int kHalves = 3;
+// A light hand that takes more than any tremor does: its half swings may be longer, as late replies make them, and of
+// two that no tremor is fast enough for one less is enough.
+constexpr double kSure_Ns_m = 0.45, kSureHalf = 1.1, kSurePair_s = 0.070;
 constexpr double kPressing = 1.2;  // of the longest half swing of a light hand: of the one that presses
 constexpr double kLasts = 0.95;    // of the half swing before: less is one that dies away
 
@@ -53,6 +56,7 @@ constexpr double kLeft_s = 0.1;  // in the air: forgotten
 constexpr double kIdle_s = 0.5, kIdle_N = 0.05, kRise_s = 0.3, kForget_s = 500;
 // After a cut, a swing that was fed has died away by the second window to less than this share of the first.
 constexpr double kFirst_s[] = {0.3, 0.8}, kSecond_s[] = {1.5, 2.0}, kGoesOn = 0.6;
+constexpr double kGrows = 2;  // the hand's own motion does not, when the surface is hard again
 
 // T = 2 pi sqrt(m / (g K + k))
 double LightPeriod_s(double stiffness_N_m) noexcept {
@@ -91,12 +95,15 @@ bool FollowBand(const Band& band, double half_max_s, const Change& change, doubl
   if (state.half_s > band.period_max_s) state.halves = 0;
   const int side = state.swing_N > least_N ? 1 : state.swing_N < -least_N ? -1 : 0;
   if (side == 0 || side == state.side) return false;
+  state.damping_Ns_m = state.motion_m2_s > 0 ? state.fed_J / state.motion_m2_s : 0;
+  const bool sure = band.cause == Cause::kLight && state.damping_Ns_m > kSure_Ns_m;
+  if (sure) half_max_s *= kSureHalf;
   const double pressing_s = state.side < 0 ? state.half_s : state.last_half_s;
   const bool fast = state.half_s + state.last_half_s <= band.period_max_s &&
                     std::min(state.half_s, state.last_half_s) <= half_max_s && pressing_s <= kPressing * half_max_s;
   const bool lasts = fast && state.last_peak_N > 0 && state.peak_N > kLasts * state.last_peak_N;
   state.halves = std::clamp(state.halves + (lasts ? 1 : -1), 0, kHalves);
-  state.damping_Ns_m = state.motion_m2_s > 0 ? state.fed_J / state.motion_m2_s : 0;
+  const int enough = sure && state.half_s + state.last_half_s <= kSurePair_s ? kHalves - 1 : kHalves;
   state.last_half_s = state.half_s;
   state.last_peak_N = state.peak_N;
   state.peak_N = std::abs(state.swing_N);
@@ -104,7 +111,7 @@ bool FollowBand(const Band& band, double half_max_s, const Change& change, doubl
   state.half_s = 0;
   state.fed_J *= kKeep;
   state.motion_m2_s *= kKeep;
-  return lasts && state.halves == kHalves;
+  return lasts && state.halves >= enough;
 }
 
 // The work W = c V that a swing took from the hand is proportional to the gain: c g' / g of damping is taken at g'.
@@ -126,7 +133,7 @@ void Cut(const Band& band, bool known, double taken_Ns_m, SwingState& state) noe
 }
 
 // The gain comes back to what the hand holds once nothing moves; and wholly if what moves has gone on without the
-// surface: a tremor of the hand's own.
+// surface, a tremor of the hand's own, unless it then grows: a light hand swings on for long as well.
 void Recover(double idle_N, double dt_s, SwingState& state) noexcept {
   const double moves_N = std::abs(state.bands[kSlowest].swing_N);
   const auto during = [&state](const double(&window_s)[2]) {
@@ -138,9 +145,17 @@ void Recover(double idle_N, double dt_s, SwingState& state) noexcept {
   if (during(kFirst_s)) state.first_peak_N = std::max(state.first_peak_N, moves_N);
   if (during(kSecond_s)) state.last_peak_N = std::max(state.last_peak_N, moves_N);
   if (idle) state.first_peak_N = std::numeric_limits<double>::infinity();
-  if (state.cut_s >= kSecond_s[1] && state.last_peak_N > kGoesOn * state.first_peak_N) {
+  if (!state.own && !state.fed && state.cut_s >= kSecond_s[1] && state.last_peak_N > kGoesOn * state.first_peak_N) {
     state.own = true;
+    state.own_N = state.last_peak_N;
+    state.held_before = state.held;
     state.held = 1;
+  }
+  if (state.own && moves_N > kGrows * state.own_N) {
+    state.own = false;
+    state.fed = true;
+    state.held = std::min(state.held, state.held_before);
+    state.gain = std::min(state.gain, state.held);
   }
   if (!idle && !state.own) return;
   state.held = std::min(1.0, state.held + dt_s / kForget_s);
@@ -149,7 +164,7 @@ void Recover(double idle_N, double dt_s, SwingState& state) noexcept {
 
 }  // namespace
 
-double WatchSwings(const ContactTick& tick, SwingState& state) noexcept {
+double WatchSwings(const ContactTick& tick, double other_gain, SwingState& state) noexcept {
   const double force_N = Norm(tick.force_N);
   const bool touches = force_N > 0 && tick.stiffness_N_m > 0;
   if (!touches && !state.has_tip && state.gain == 1) return 1;  // a far tip costs nothing
@@ -178,20 +193,21 @@ double WatchSwings(const ContactTick& tick, SwingState& state) noexcept {
     const Band& band = kBands[b];
     if (!touches && band.in_touch) state.bands[b] = {};
     if (band.cause == Cause::kLight && state.own) continue;
-    const double half_max_s =
-        band.cause == Cause::kLight ? 0.5 * LightPeriod_s(state.gain * state.stiffness_N_m) : band.period_max_s;
+    const double half_max_s = band.cause == Cause::kLight
+                                  ? 0.5 * LightPeriod_s(other_gain * state.gain * state.stiffness_N_m)
+                                  : band.period_max_s;
     const double noises = band.cause == Cause::kFed ? kFedNoises : kNoises;
     const double least_N = std::max(band.least_N / state.gain, noises * noise_N);
     if (FollowBand(band, half_max_s, change, least_N, state.bands[b])) {
       Cut(band, tick.acting.known, state.bands[b].damping_Ns_m, state);
     }
   }
-  if (state.gain < 1) Recover(std::max(kIdle_N, kNoises * noise_N), tick.dt_s, state);
+  if (state.gain < 1 || state.own) Recover(std::max(kIdle_N, kNoises * noise_N), tick.dt_s, state);
   return state.gain;
 }
 
 double WatchContacts(const ContactTick& tick, SwingState& swing, EnergyState& energy) noexcept {
-  const double gain = WatchSwings(tick, swing);
+  const double gain = WatchSwings(tick, energy.gain, swing);
   ContactTick left = tick;
   left.stored_J *= gain;
   return gain * WatchEnergy(left, energy);

@@ -10,8 +10,8 @@ namespace omni::haptics {
 
 using base::Vec3;
 
-// Gain in [0.01, 1] on the forces of this tick.
-double WatchSwings(const ContactTick& tick, SwingState& state) noexcept;
+// Gain in [0.01, 1] on the forces of this tick, which are also reduced by other_gain.
+double WatchSwings(const ContactTick& tick, double other_gain, SwingState& state) noexcept;
 
 // Of this watch and of the energy watch, which sees the springs as reduced by this one.
 double WatchContacts(const ContactTick& tick, SwingState& swing, EnergyState& energy) noexcept;

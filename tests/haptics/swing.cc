@@ -162,6 +162,18 @@ TEST_F(SwingWatchHand, MotionThatGoesOnWithoutTheSurfaceGetsItBack) {
   EXPECT_EQ(Move(-4e-3, 1.5e-3, 15.5, 3), 1);
 }
 
+// Damped so little that it swings on for seconds without the surface: 4 J and 10 cm if that passes for its own motion.
+TEST(SwingWatch, LightHandThatSwingsOnDoesNotGetStiffnessBack) {
+  const WallHand hand{0.05, 0.1};
+  const WallLoop loop{.delay_s = 5e-3, .late_s = 5e-3, .noise_m = 3e-4};
+  for (const std::uint64_t seed : {2402U, 2403U, 3U, 4U}) {
+    SCOPED_TRACE(seed);
+    const WallRun run = PressWall(hand, loop, {}, WallRule::kBounded, kAsked_N_m, seed);
+    EXPECT_LT(run.given_J, 0.03);
+    EXPECT_LT(Buzz_N(run), 0.03);
+  }
+}
+
 // Ordinary hands, damped as people's are: whatever they do by themselves, they keep the wall.
 WallHand FirmHand(double stiffness_N_m) { return {0.12, 0.01 * stiffness_N_m + 1, stiffness_N_m}; }
 
