@@ -39,6 +39,7 @@ Suspect WorstOf(const Doubt& doubt) noexcept {
 void EndTrials(Doubt& doubt) noexcept {
   doubt.trials = 0;
   doubt.saved = {};
+  doubt.none_to_blame = false;
 }
 
 void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept {

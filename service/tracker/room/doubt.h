@@ -48,6 +48,7 @@ struct Doubt {
   bool failing = false;
   int trials = 0;
   std::array<double, kSensors> saved{};
+  bool none_to_blame = false;  // leaving out any one sensor did not help, since scans do not fit
 };
 static_assert(std::is_trivially_copyable_v<Doubt>);
 

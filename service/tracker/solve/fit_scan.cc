@@ -181,7 +181,7 @@ bool TryOtherHypotheses(const ScanContext& context, const FilterState& predicted
   DriftState open = state.drift;
   OpenAmbient(config.drift, open);
   if (holds(open, state.doubt)) return true;
-  if (state.stray.believed) {
+  if (state.stray.believed && state.doubt.none_to_blame) {
     LoosenStray(config.stray, config.model, state.stray);
     if (holds(open, state.doubt)) return true;
   }
@@ -192,6 +192,7 @@ bool TryOtherHypotheses(const ScanContext& context, const FilterState& predicted
   Blame(config.doubt, WorstOf(state.doubt).sensor, blaming);
   EndTrials(state.doubt);
   if (holds(open, blaming)) return true;
+  state.doubt.none_to_blame = true;
   if (!state.stray.on || state.stray.believed || state.stray.nothing_cycles > 0) return false;
   // Something was moving already; a sudden change is no magnet being laid down.
   LoosenStray(config.stray, config.model, state.stray);
