@@ -15,7 +15,7 @@ namespace omni::bench {
 namespace {
 
 using test::PressWall;
-using test::RmsAboutMean;
+using test::RmsAboutLine;
 using test::WallHand;
 using test::WallLoop;
 using test::WallRule;
@@ -66,8 +66,8 @@ class Sweep {
     const WallRun held = PressWall(hand, loop, {}, rule, stiffness_N_m, seed_);
     const WallRun pressed = PressWall(hand, loop, {.hold_s = 1, .release = true}, rule, stiffness_N_m, seed_);
     const auto& x = held.measured_m;
-    const double last_m = RmsAboutMean(x, x.size() - kSecond, x.size());
-    const double before_m = RmsAboutMean(x, x.size() - 2 * kSecond, x.size() - kSecond);
+    const double last_m = RmsAboutLine(x, x.size() - kSecond, x.size());
+    const double before_m = RmsAboutLine(x, x.size() - 2 * kSecond, x.size() - kSecond);
     const bool cycles = last_m > 2 * std::max(kLeast_m, Unloaded_m(p)) && last_m >= 0.8 * before_m;
     const std::size_t ticks = held.force_N.size();
     const double buzz_mN = 1e3 * test::RmsAbove(held.force_N, ticks - 2 * kSecond, ticks, kBuzzFrom_Hz);
@@ -87,7 +87,7 @@ class Sweep {
     if (found != unloaded_m_.end()) return found->second;
     const WallRun run =
         PressWall({p.mass_kg, p.damping_Ns_m}, {.noise_m = 1e-3 * p.noise_mm}, {}, WallRule::kFixed, 0, seed_);
-    return unloaded_m_[key] = RmsAboutMean(run.measured_m, run.measured_m.size() - kSecond, run.measured_m.size());
+    return unloaded_m_[key] = RmsAboutLine(run.measured_m, run.measured_m.size() - kSecond, run.measured_m.size());
   }
 
   std::uint64_t seed_;

@@ -233,4 +233,20 @@ double RmsAboutMean(const std::vector<double>& x, std::size_t from, std::size_t 
   return std::sqrt(squares / static_cast<double>(to - from));
 }
 
+// About a + b (i - middle), with b = sum (i - middle) x / sum (i - middle)^2.
+double RmsAboutLine(const std::vector<double>& x, std::size_t from, std::size_t to) {
+  const double middle = 0.5 * static_cast<double>(from + to - 1);
+  double slope = 0, squares = 0;
+  for (std::size_t i = from; i < to; ++i) {
+    const double away = static_cast<double>(i) - middle;
+    slope += away * x[i];
+    squares += away * away;
+  }
+  std::vector<double> left(x.begin() + static_cast<std::ptrdiff_t>(from), x.begin() + static_cast<std::ptrdiff_t>(to));
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    left[i] -= slope / squares * (static_cast<double>(from + i) - middle);
+  }
+  return RmsAboutMean(left, 0, left.size());
+}
+
 }  // namespace omni::test

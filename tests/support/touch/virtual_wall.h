@@ -66,5 +66,7 @@ double RmsAbove(const std::vector<double>& x, std::size_t from, std::size_t to, 
 
 // Root mean square of x about its mean over [from, to).
 double RmsAboutMean(const std::vector<double>& x, std::size_t from, std::size_t to);
+// The same without a steady drift.
+double RmsAboutLine(const std::vector<double>& x, std::size_t from, std::size_t to);
 
 }  // namespace omni::test
