@@ -99,11 +99,12 @@ bool FollowBand(const Band& band, double half_max_s, const Change& change, doubl
   const bool sure = band.cause == Cause::kLight && state.damping_Ns_m > kSure_Ns_m;
   if (sure) half_max_s *= kSureHalf;
   const double pressing_s = state.side < 0 ? state.half_s : state.last_half_s;
-  const bool fast = state.half_s + state.last_half_s <= band.period_max_s &&
-                    std::min(state.half_s, state.last_half_s) <= half_max_s && pressing_s <= kPressing * half_max_s;
+  const double pair_s = state.half_s + state.last_half_s;
+  const bool fast = pair_s <= band.period_max_s && std::min(state.half_s, state.last_half_s) <= half_max_s &&
+                    pressing_s <= kPressing * half_max_s;
   const bool lasts = fast && state.last_peak_N > 0 && state.peak_N > kLasts * state.last_peak_N;
   state.halves = std::clamp(state.halves + (lasts ? 1 : -1), 0, kHalves);
-  const int enough = sure && state.half_s + state.last_half_s <= kSurePair_s ? kHalves - 1 : kHalves;
+  const int enough = sure && pair_s <= kSurePair_s ? kHalves - 1 : kHalves;
   state.last_half_s = state.half_s;
   state.last_peak_N = state.peak_N;
   state.peak_N = std::abs(state.swing_N);
