@@ -26,7 +26,7 @@ std::array<double, ZonalSeries::kOrder + 1> Gegenbauer(double c) noexcept {
 // written with kappa = (mu-1) / (mu+2).
 double CoreFactor(int l, double kappa) noexcept { return 3 * l * kappa / (2 * l + 1 + kappa * (l - 1)); }
 
-ZonalFields Fields() noexcept {
+ZonalFields ZonalKernel() noexcept {
   static const ZonalFields fields = FastestZonalFields();
   return fields;
 }
@@ -111,19 +111,29 @@ ZonalSeries::ZonalSeries(const std::array<double, kOrder + 1>& q, const Vec3& ax
   }
 }
 
-Vec3 ZonalSeries::Field(const Vec3& point_base_m) const noexcept {
+std::array<Vec3, kChargeLanes> ZonalSeries::Fields(const std::array<Vec3, kChargeLanes>& points_base_m) const noexcept {
   std::array<std::array<double, kChargeLanes>, 3> at;
-  at[0].fill(point_base_m.x);
-  at[1].fill(point_base_m.y);
-  at[2].fill(point_base_m.z);
+  for (std::size_t lane = 0; lane < kChargeLanes; ++lane) {
+    at[0][lane] = points_base_m[lane].x;
+    at[1][lane] = points_base_m[lane].y;
+    at[2][lane] = points_base_m[lane].z;
+  }
   std::array<std::array<double, kChargeLanes>, 3> b;
-  Fields()(terms_, at[0].data(), at[1].data(), at[2].data(), kChargeLanes, b[0].data(), b[1].data(), b[2].data());
-  return {b[0][0], b[1][0], b[2][0]};
+  ZonalKernel()(terms_, at[0].data(), at[1].data(), at[2].data(), kChargeLanes, b[0].data(), b[1].data(), b[2].data());
+  std::array<Vec3, kChargeLanes> fields_T;
+  for (std::size_t lane = 0; lane < kChargeLanes; ++lane) fields_T[lane] = {b[0][lane], b[1][lane], b[2][lane]};
+  return fields_T;
+}
+
+Vec3 ZonalSeries::Field(const Vec3& point_base_m) const noexcept {
+  std::array<Vec3, kChargeLanes> points_base_m;
+  points_base_m.fill(point_base_m);
+  return Fields(points_base_m)[0];
 }
 
 void ZonalSeries::FieldsAt(const Charges& charges, FieldArray& fields_T) const noexcept {
-  Fields()(terms_, charges.x.data(), charges.y.data(), charges.z.data(), charges.x.size(), fields_T.x.data(),
-           fields_T.y.data(), fields_T.z.data());
+  ZonalKernel()(terms_, charges.x.data(), charges.y.data(), charges.z.data(), charges.x.size(), fields_T.x.data(),
+                fields_T.y.data(), fields_T.z.data());
 }
 
 CoilTruth::CoilTruth(const base::CoilGeometry& coil, int index, const Vec3& axis_base, double strength,
@@ -141,6 +151,8 @@ CoilTruth::CoilTruth(const base::CoilGeometry& coil, int index, const Vec3& axis
   core_ = ZonalSeries(parts.core, axis_base);
   total_ = ZonalSeries(parts.turns, axis_base);
   if (core_is_centred_) return;
+  for (std::size_t l = 0; l < parts.turns.size(); ++l) parts.turns[l] -= parts.core[l];
+  turns_series_ = ZonalSeries(parts.turns, axis_base);
   constexpr double kStep_m = 1e-4;
   const double scale = CoreFactor(2, core_kappa) * std::pow(core_radius_m, 5) / (2 * kStep_m);
   for (std::size_t j = 0; j < 3; ++j) {
@@ -150,14 +162,20 @@ CoilTruth::CoilTruth(const base::CoilGeometry& coil, int index, const Vec3& axis
 }
 
 void CoilTruth::FieldsBySeries(const Charges& charges, FieldArray& fields_T) const noexcept {
-  total_.FieldsAt(charges, fields_T);
-  if (core_is_centred_) return;
-  for (std::size_t i = 0; i < charges.size(); ++i) {
-    const Vec3 at = charges.position(i);
-    const Vec3 moved_T = CoreField(at) - core_.Field(at);
-    fields_T.x[i] += moved_T.x;
-    fields_T.y[i] += moved_T.y;
-    fields_T.z[i] += moved_T.z;
+  if (core_is_centred_) return total_.FieldsAt(charges, fields_T);
+  turns_series_.FieldsAt(charges, fields_T);
+  std::array<Vec3, kChargeLanes> from_core;
+  for (std::size_t i = 0; i < charges.x.size(); i += kChargeLanes) {
+    for (std::size_t lane = 0; lane < kChargeLanes; ++lane) {
+      from_core[lane] = charges.position(i + lane) - core_centre_base_m_;
+    }
+    const std::array<Vec3, kChargeLanes> core_T = core_.Fields(from_core);
+    for (std::size_t lane = 0; lane < kChargeLanes; ++lane) {
+      const Vec3 field_T = core_T[lane] + Order2(from_core[lane]);
+      fields_T.x[i + lane] += field_T.x;
+      fields_T.y[i + lane] += field_T.y;
+      fields_T.z[i + lane] += field_T.z;
+    }
   }
 }
 
@@ -177,14 +195,16 @@ Vec3 CoilTruth::FieldOfTurns(const Vec3& point_base_m) const noexcept {
 }
 
 // Of a linear field G x: -kappa_2 a^5 (G x / r^5 - 5/2 (x.G x) x / r^7).
-Vec3 CoilTruth::CoreField(const Vec3& point_base_m) const noexcept {
-  const Vec3 x = point_base_m - core_centre_base_m_;
-  Vec3 field_T = core_.Field(x);
-  if (core_is_centred_) return field_T;
+Vec3 CoilTruth::Order2(const Vec3& x) const noexcept {
   const double r2 = Dot(x, x);
   const double inverse_r5 = 1 / (r2 * r2 * std::sqrt(r2));
   const Vec3 gx = x.x * order_2_T_m4_[0] + x.y * order_2_T_m4_[1] + x.z * order_2_T_m4_[2];
-  return field_T + inverse_r5 * ((2.5 * Dot(x, gx) / r2) * x - gx);
+  return inverse_r5 * ((2.5 * Dot(x, gx) / r2) * x - gx);
+}
+
+Vec3 CoilTruth::CoreField(const Vec3& point_base_m) const noexcept {
+  const Vec3 x = point_base_m - core_centre_base_m_;
+  return core_is_centred_ ? core_.Field(x) : core_.Field(x) + Order2(x);
 }
 
 Vec3 CoilTruth::FieldByTurns(const Vec3& point_base_m) const noexcept {

@@ -51,6 +51,8 @@ class ZonalSeries {
   ZonalSeries(const std::array<double, kOrder + 1>& q, const Vec3& axis_base) noexcept;
 
   Vec3 Field(const Vec3& point_base_m) const noexcept;
+  // The same at each of these, in the time of one.
+  std::array<Vec3, kChargeLanes> Fields(const std::array<Vec3, kChargeLanes>& points_base_m) const noexcept;
   // The same where each charge lies, in a quarter of the time. `fields_T` is of the charges' size.
   void FieldsAt(const Charges& charges, FieldArray& fields_T) const noexcept;
   double moment_Am2() const noexcept { return moment_; }
@@ -72,8 +74,8 @@ class CoilTruth {
   Vec3 FieldByTurns(const Vec3& point_base_m) const noexcept;
   // Outside the windings only.
   Vec3 FieldBySeries(const Vec3& point_base_m) const noexcept {
-    const Vec3 field_T = total_.Field(point_base_m);
-    return core_is_centred_ ? field_T : field_T + CoreField(point_base_m) - core_.Field(point_base_m);
+    if (core_is_centred_) return total_.Field(point_base_m);
+    return turns_series_.Field(point_base_m) + CoreField(point_base_m);
   }
   // The same where each charge lies. `fields_T` is of the charges' size.
   void FieldsBySeries(const Charges& charges, FieldArray& fields_T) const noexcept;
@@ -85,6 +87,7 @@ class CoilTruth {
  private:
   Vec3 FieldOfTurns(const Vec3& point_base_m) const noexcept;  // alone
   Vec3 CoreField(const Vec3& point_base_m) const noexcept;
+  Vec3 Order2(const Vec3& from_core_m) const noexcept;  // of the core that is off its centre
 
   std::vector<Turn> turns_;
   Vec3 axis_;
@@ -94,6 +97,7 @@ class CoilTruth {
   std::array<Vec3, 3> order_2_T_m4_;  // columns of kappa_2 a^5 times the gradient in the core's centre
   ZonalSeries core_;
   ZonalSeries total_;
+  ZonalSeries turns_series_;  // the winding's alone, if the core is off its centre
 };
 
 }  // namespace omni::sim
