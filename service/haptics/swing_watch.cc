@@ -146,10 +146,12 @@ void Recover(double idle_N, double dt_s, SwingState& state) noexcept {
   if (during(kFirst_s)) state.first_peak_N = std::max(state.first_peak_N, moves_N);
   if (during(kSecond_s)) state.last_peak_N = std::max(state.last_peak_N, moves_N);
   if (idle) state.first_peak_N = std::numeric_limits<double>::infinity();
-  if (!state.own && !state.fed && state.cut_s >= kSecond_s[1] && state.last_peak_N > kGoesOn * state.first_peak_N) {
-    state.own = true;
-    state.own_N = state.last_peak_N;
-    state.held_before = state.held;
+  if (!state.fed && state.cut_s >= kSecond_s[1] && state.last_peak_N > kGoesOn * state.first_peak_N) {
+    if (!state.own) {
+      state.own = true;
+      state.own_N = state.last_peak_N;
+      state.held_before = state.held;
+    }
     state.held = 1;
   }
   if (state.own && moves_N > kGrows * state.own_N) {

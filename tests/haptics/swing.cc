@@ -160,6 +160,9 @@ TEST_F(SwingWatchHand, MotionThatGoesOnWithoutTheSurfaceGetsItBack) {
   EXPECT_LT(Move(-4e-3, 1.5e-3, 15.5, 0.5), 0.1);
   EXPECT_EQ(Move(-4e-3, 1.5e-3, 15.5, 2), 1);
   EXPECT_EQ(Move(-4e-3, 1.5e-3, 15.5, 3), 1);
+  // And again after a buzz that the surface does make.
+  EXPECT_LT(Move(-4e-3, 2e-4, 25, 1), 0.1);
+  EXPECT_EQ(Move(-4e-3, 1.5e-3, 15.5, 3), 1);
 }
 
 // Damped so little that it swings on for seconds without the surface: 4 J and 10 cm if that passes for its own motion.
