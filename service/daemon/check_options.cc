@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "service/base/files/new_file.h"
 #include "service/config/files/alignment_file.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/files/device_file.h"
@@ -30,23 +31,6 @@ std::string TwinProblem(const std::string& name_or_file) { return ErrorOf(config
 std::string AlignmentsProblem(const std::string& path) { return ErrorOf(config::LoadAlignmentFile(path)); }
 std::string DeviceFileProblem(const std::string& path) { return ErrorOf(config::LoadDeviceFile(path)); }
 
-// A recording replaces an existing file.
-std::string WriteProblem(const std::string& path) {
-  std::error_code error;
-  if (fs::is_directory(path, error)) return path + ": is a folder; give a file's name";
-  if (fs::exists(path, error)) {
-    return ::access(path.c_str(), W_OK) == 0
-               ? std::string()
-               : path + ": cannot be written (" + std::strerror(errno) + "); name another file";
-  }
-  const fs::path parent = fs::path(path).parent_path();
-  const std::string folder = parent.empty() ? "." : parent.string();
-  if (!fs::is_directory(folder, error))
-    return path + ": there is no folder " + folder + "; make it or name another one";
-  if (::access(folder.c_str(), W_OK | X_OK) == 0) return {};
-  return path + ": cannot be made in " + folder + " (" + std::strerror(errno) + "); name another folder";
-}
-
 struct FileOption {
   const char* name;
   std::string RunOptions::*path;
@@ -57,9 +41,16 @@ constexpr FileOption kFileOptions[] = {
     {"--alignments", &RunOptions::alignment_path, AlignmentsProblem},
     {"--twin", &RunOptions::twin, TwinProblem},
     {"--twin-script", &RunOptions::twin_script, ScriptProblem},
-    {"--record", &RunOptions::record_path, WriteProblem},
-    {"--record-device", &RunOptions::record_device_path, WriteProblem},
-    {"--twin-record", &RunOptions::twin_record, WriteProblem},
+};
+
+struct Recorded {
+  const char* name;
+  std::string RunOptions::*path;
+};
+constexpr Recorded kRecorded[] = {
+    {"--record", &RunOptions::record_path},
+    {"--record-device", &RunOptions::record_device_path},
+    {"--twin-record", &RunOptions::twin_record},
 };
 
 // Precondition: the device's file can be read, if one is given.
@@ -90,7 +81,29 @@ std::string OptionsProblem(const RunOptions& options) {
     const std::string problem = path.empty() ? std::string() : option.problem(path);
     if (!problem.empty()) return option.name + (": " + problem);
   }
+  for (const Recorded& recorded : kRecorded) {
+    const std::string& path = options.*recorded.path;
+    const std::string problem = path.empty() ? std::string() : base::NewFileProblem(path, options.replace);
+    if (!problem.empty()) return recorded.name + (": " + problem);
+  }
   return CalibrationProblem(options);
+}
+
+base::Status MakeWay(const RunOptions& options) {
+  if (!options.replace) return base::Ok{};
+  for (const Recorded& recorded : kRecorded) {
+    const base::Status removed = base::RemoveForNew(options.*recorded.path);
+    if (!removed.ok()) return removed;
+  }
+  return base::Ok{};
+}
+
+RunOptions WithFreeNames(RunOptions options) {
+  for (const Recorded& recorded : kRecorded) {
+    std::string& path = options.*recorded.path;
+    if (!path.empty()) path = base::FreeName(path);
+  }
+  return options;
 }
 
 }  // namespace omni::daemon

@@ -34,6 +34,7 @@ EndWatch::EndWatch() {
   sigemptyset(&set);
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGTERM);
+  sigaddset(&set, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   signals_.Reset(signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
   asked_.Reset(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
@@ -66,8 +67,8 @@ void EndWatch::Run() {
     if (waits[1].revents != 0) return;
     signalfd_siginfo signal;
     const bool signalled = read(signals_.get(), &signal, sizeof signal) == sizeof signal;
-    if (signalled && deadline_ns != 0) EndAtOnce("on a second signal");
-    if (signalled) {
+    if (signalled && deadline_ns != 0 && !recording_.load()) EndAtOnce("on a second signal");
+    if (signalled && deadline_ns == 0) {
       deadline_ns = base::MonotonicNow_ns() + kPatience_ns;
       Raise(asked_.get());
     }

@@ -1,7 +1,8 @@
-// Waits for SIGINT and SIGTERM on a thread of its own, so that they end omnid in time whatever main and the other
-// threads are doing. The first one asks main to end. When main has not ended kPatience_ns later, or a second one comes,
-// the coils are taken to zero and the process exits at once: a scene that was being built, or a disk or base that does
-// not respond, is abandoned.
+// Waits for SIGINT, SIGTERM and SIGHUP on a thread of its own, so that they end omnid in time whatever main and the
+// other threads are doing. The first one asks main to end. When main has not ended kPatience_ns later, or a second one
+// comes, the coils are taken to zero and the process exits at once: a scene that was being built, or a disk or base
+// that does not respond, is abandoned. While a recording is open a second one changes nothing: terminals and
+// supervisors signal a whole group, and a program in it passes the signal on.
 #pragma once
 
 #include <atomic>
@@ -20,7 +21,7 @@ class EndWatch {
   static constexpr std::int64_t kPatience_ns = 750'000'000;
   static constexpr int kLogWait_ms = 100;  // for the last lines, when the process ends at once
 
-  // Blocks both signals for the calling thread and for those that it starts later. Throws std::system_error.
+  // Blocks these signals for the calling thread and for those that it starts later. Throws std::system_error.
   EndWatch();
   ~EndWatch();  // main has ended by itself
   EndWatch(const EndWatch&) = delete;

@@ -21,6 +21,7 @@ int ParseAndRun(int argc, char** argv) {
   if (const std::string problem = omni::daemon::OptionsProblem(options); !problem.empty()) {
     return omni::console::Refuse("omnid", problem);
   }
+  if (const auto way = omni::daemon::MakeWay(options); !way.ok()) return omni::console::Fail("omnid", way.error());
   return omni::daemon::Run(options);
 }
 

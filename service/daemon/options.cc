@@ -18,6 +18,7 @@ void AddOptions(console::Program& omnid, RunOptions& options) {
   omnid.Add("--socket", options.socket_path, "control socket (default: $OMNI_SOCKET, else below $XDG_RUNTIME_DIR)");
   omnid.Add("--record", options.record_path, "CSV file with one line per tick");
   omnid.Add("--record-device", options.record_device_path, "file of all scans and commands, for --device replay:FILE");
+  omnid.Add("--replace", options.replace, "recordings replace files that exist");
   const console::Option twin = omnid.Add("--twin", options.twin, config::kTwinHelp);
   omnid.AddShort("--ideal", options.twin, config::kIdeal, config::kIdealHelp).Excludes(twin);
   omnid.Add("--twin-script", options.twin_script, "hand script (.json) of the twin");

@@ -1,4 +1,4 @@
-// Runs omnid until SIGINT or SIGTERM, or to the end of a replay.
+// Runs omnid until SIGINT, SIGTERM or SIGHUP, or to the end of a replay.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,7 @@ struct RunOptions {
   std::string stop_path;         // empty: the user's own
   std::string socket_path;
   std::string record_path;         // ticks, as CSV
+  bool replace = false;            // recordings replace files that exist
   std::string record_device_path;  // scans and commands, for --device replay:FILE
   bool replay_fast = false;
   std::string twin;  // "ideal", "room" or a file; empty: the default

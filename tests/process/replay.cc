@@ -40,19 +40,22 @@ class ProcessReplay : public testing::Test {
   }
 
   // Until the recording has several hundred scans, which takes a busy machine longer; then `signal`.
-  void Record(int signal) {
+  void Record(int signal, int times = 1) {
     auto omnid = Start({kOmnid, "--device", "twin", "--twin", "ideal", "--record-device", recording_, "--twin-seed",
                         "3", "--log-level", "warn"});
     ASSERT_TRUE(omnid.ok()) << omnid.error();
     std::error_code error;
     for (int i = 0; i < 300 && !(std::filesystem::file_size(recording_, error) > 400'000 && !error); ++i) SleepMs(100);
-    kill(omnid->pid(), signal);
+    for (int i = 0; i < times; ++i) {
+      kill(omnid->pid(), signal);
+      SleepMs(3);
+    }
     const int status = omnid->Wait();
-    EXPECT_EQ(status, signal == SIGTERM ? 0 : 128 + signal);
+    EXPECT_EQ(status, signal == SIGKILL ? 128 + signal : 0);
   }
 
   const TempFolder folder_;
-  const std::string recording_ = folder_.Path("device.rec");
+  std::string recording_ = folder_.Path("device.rec");
 };
 
 TEST_F(ProcessReplay, RecordedShownAndPlayed) {
@@ -85,6 +88,44 @@ TEST_F(ProcessReplay, RecordedShownAndPlayed) {
   EXPECT_EQ(second->scans, summary->scans);
   EXPECT_EQ(second->missed, summary->missed);
   EXPECT_NEAR(second->duration_s, summary->duration_s, 1e-9);
+}
+
+// A closed terminal, and a supervisor that signals the group of a program that passes signals on.
+TEST_F(ProcessReplay, EverySignalToEndClosesTheRecording) {
+  int n = 0;
+  for (const int signal : {SIGHUP, SIGTERM, SIGINT}) {
+    for (const int times : {1, 2, 3}) {
+      SCOPED_TRACE(testing::Message() << "signal " << signal << ", " << times << " times");
+      recording_ = folder_.Path(std::to_string(++n) + ".rec");
+      Record(signal, times);
+      const auto summary = device::SummariseRecording(recording_);
+      ASSERT_TRUE(summary.ok()) << summary.error();
+      EXPECT_TRUE(summary->ended);
+    }
+  }
+}
+
+// A name typed twice, and a link planted where a recording is expected.
+TEST_F(ProcessReplay, RecordingsReplaceNothingUnasked) {
+  const std::string precious = folder_.Write("precious", "a day's work"), link = folder_.Path("link");
+  std::filesystem::create_symlink(precious, link);
+  const auto content = [](const std::string& path) {
+    std::ifstream file(path);
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  for (const std::string& name : {precious, link}) {
+    for (const char* option : {"--record", "--record-device", "--twin-record"}) {
+      OutputOf({kOmnid, "--device", "twin", option, name}, 2);
+    }
+    OutputOf({kOmni, "record", name, "--device", "twin", "--seconds", "0.1"}, 1);
+    OutputOf({kOmni, "twin", "run", "extrusion", "--seconds", "0.1", "--record", name}, 1);
+    EXPECT_EQ(content(precious), "a day's work") << name;
+  }
+  OutputOf({kOmni, "twin", "run", "extrusion", "--seconds", "0.1", "--record", link, "--replace"}, 0);
+  EXPECT_FALSE(std::filesystem::is_symlink(link)) << "the link itself is replaced";
+  EXPECT_EQ(content(precious), "a day's work") << "and not what it named";
+  OutputOf({kOmni, "twin", "run", "extrusion", "--seconds", "0.1", "--record", precious, "--replace"}, 0);
+  EXPECT_NE(content(precious), "a day's work");
 }
 
 TEST_F(ProcessReplay, OmniRecordsABaseWithoutArmingIt) {

@@ -12,6 +12,7 @@
 #include "service/config/files/twin_file.h"
 #include "service/config/paths.h"
 #include "service/config/text/text_file.h"
+#include "service/daemon/check_options.h"
 #include "service/daemon/clients/force_properties.h"
 #include "service/daemon/devices/fault_log.h"
 #include "service/daemon/devices/fit_watch.h"
@@ -88,7 +89,8 @@ DeviceKeeper::DeviceKeeper(const RunOptions& options, const base::DeviceGeometry
 DeviceKeeper::~DeviceKeeper() { Close("the service is ending"); }
 
 bool DeviceKeeper::Open() {
-  auto opened = OpenDevice(options_);
+  const RunOptions options = WithFreeNames(options_);
+  auto opened = OpenDevice(options);
   if (!opened.ok()) {
     service_.Detach(opened.error());
     const char* next = IsReplay(options_.device) ? "" : "; omnid tries again every second";
@@ -97,15 +99,14 @@ bool DeviceKeeper::Open() {
     return false;
   }
   reported_.clear();
-  ++opened_;
   if (opened->transport->info().simulation && !IsTwin(options_.device)) spdlog::warn("SIMULATION: {}", kSimulationText);
   loop::TickConfig config = Calibrated(opened->serial);
   magnets_.Open(opened->serial, calibration_ ? calibration_->moment_Am2 : 0, config.tracker.magnets);
-  Record(*opened);
+  Record(options, *opened);
   session_ =
       std::make_unique<Session>(std::move(*opened), config, calibration_ ? &*calibration_ : nullptr, options_, sink_);
-  if (!options_.record_path.empty()) {
-    auto recorder = Recorder::Open(options_.record_path, session_->loop.telemetry());
+  if (!options.record_path.empty()) {
+    auto recorder = Recorder::Open(options.record_path, session_->loop.telemetry());
     if (recorder.ok()) {
       session_->recorder = std::move(*recorder);
       end_.SetRecording(true);
@@ -193,12 +194,12 @@ void DeviceKeeper::LogFaults() {
   }
 }
 
-void DeviceKeeper::Record(OpenedDevice& opened) {
+void DeviceKeeper::Record(const RunOptions& options, OpenedDevice& opened) {
   if (opened.replay != nullptr && !opened.replay->summary().cut.empty()) {
     spdlog::warn("replay: {}", opened.replay->summary().cut);
   }
-  if (options_.record_device_path.empty()) return;
-  const std::string problem = RecordDevice(options_, device_.current_max_A, opened_, opened);
+  if (options.record_device_path.empty()) return;
+  const std::string problem = RecordDevice(options, device_.current_max_A, opened);
   if (!problem.empty()) spdlog::error("{}", problem);
   end_.SetRecording(problem.empty());
 }

@@ -37,7 +37,7 @@ class DeviceKeeper {
   void WatchRoom();
   void SetRoom();
   void WatchFit();
-  void Record(OpenedDevice& opened);
+  void Record(const RunOptions& options, OpenedDevice& opened);
   void WatchRecording();
   void LogFaults();
   void Close(const std::string& why);
@@ -53,8 +53,7 @@ class DeviceKeeper {
   std::optional<base::Calibration> calibration_;  // in use
   bool never_calibrated_ = false;                 // there is no file, nor was one refused
   std::string reported_;                          // the last error logged, not repeated every second
-  int opened_ = 0;
-  int polls_ = 0;  // since it was lost
+  int polls_ = 0;                                 // since it was lost
 };
 
 }  // namespace omni::daemon

@@ -125,11 +125,10 @@ bool IsReplay(const std::string& device) {
   return entry != nullptr && entry->open == OpenRecording;
 }
 
-std::string RecordDevice(const RunOptions& options, double current_max_A, int n, OpenedDevice& opened) {
-  const std::string path = options.record_device_path + (n > 1 ? "." + std::to_string(n) : "");
+std::string RecordDevice(const RunOptions& options, double current_max_A, OpenedDevice& opened) {
   device::RecordingInfo info = device::DescribeForRecording(opened.transport->info(), current_max_A);
   info.serial = opened.serial;
-  auto recorder = device::DeviceRecorder::Open(path, info);
+  auto recorder = device::DeviceRecorder::Open(options.record_device_path, info);
   if (!recorder.ok()) return recorder.error();
   auto recording = std::make_unique<device::RecordingTransport>(std::move(opened.transport), std::move(*recorder));
   opened.recording = recording.get();

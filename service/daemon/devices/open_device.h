@@ -34,9 +34,8 @@ bool IsReplay(const std::string& device);
 // Shown first in log and status while a simulation runs.
 inline constexpr const char* kSimulationText = "there is no real base; pen, forces and all figures are simulated";
 
-// Records `opened` to options.record_device_path, from its next scan on. The n-th device that omnid opens (after the
-// one before was lost) gets ".n" appended to the path, so that no recording overwrites another. Returns the problem, if
-// any: then nothing is recorded.
-std::string RecordDevice(const RunOptions& options, double current_max_A, int n, OpenedDevice& opened);
+// Records `opened` to options.record_device_path, a new file, from its next scan on. Returns the problem, if any: then
+// nothing is recorded.
+std::string RecordDevice(const RunOptions& options, double current_max_A, OpenedDevice& opened);
 
 }  // namespace omni::daemon

@@ -8,6 +8,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include "service/base/files/new_file.h"
+#include "service/base/files/whole_file.h"
+
 namespace omni::daemon {
 namespace {
 
@@ -47,11 +50,11 @@ int WriteLine(std::FILE* file, const loop::TickRecord& record) {
 }  // namespace
 
 base::Result<std::unique_ptr<Recorder>> Recorder::Open(const std::string& path, loop::TelemetryRing& ring) {
-  std::FILE* file = std::fopen(path.c_str(), "we");
-  if (file == nullptr) {
-    return base::Error{"recording " + path + ": " + std::strerror(errno) +
-                       "; choose a folder that exists and is writable"};
-  }
+  base::Result<base::UniqueFd> made = base::MakeNewFile(path);
+  if (!made.ok()) return base::Error{made.error()};
+  std::FILE* file = ::fdopen(made->get(), "w");
+  if (file == nullptr) return base::Error{base::WriteProblem(path, errno)};
+  made->Release();
   std::fputs(kHeader, file);
   return std::unique_ptr<Recorder>(new Recorder(file, path, ring));
 }

@@ -9,6 +9,8 @@
 #include <cstring>
 #include <utility>
 
+#include "service/base/files/new_file.h"
+
 namespace omni::device {
 namespace {
 
@@ -33,12 +35,12 @@ base::Result<std::unique_ptr<DeviceRecorder>> DeviceRecorder::Open(const std::st
     return base::Error{path + ": the recording cannot be written: " + std::strerror(error) +
                        ": choose a folder that exists, is writable and has room"};
   };
-  base::UniqueFd file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-  if (!file) return refused(errno);
+  base::Result<base::UniqueFd> file = base::MakeNewFile(path);
+  if (!file.ok()) return base::Error{file.error()};
   std::array<std::uint8_t, kRecordingHeaderSize> header;
   EncodeHeader(info, header.data());
-  if (const int error = WriteAll(file.get(), header.data(), header.size()); error != 0) return refused(error);
-  return std::unique_ptr<DeviceRecorder>(new DeviceRecorder(std::move(file), path));
+  if (const int error = WriteAll(file->get(), header.data(), header.size()); error != 0) return refused(error);
+  return std::unique_ptr<DeviceRecorder>(new DeviceRecorder(std::move(*file), path));
 }
 
 DeviceRecorder::DeviceRecorder(base::UniqueFd file, std::string path)

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <utility>
 
+#include "service/base/files/new_file.h"
+
 namespace omni::sim {
 namespace {
 
@@ -70,12 +72,9 @@ std::string TruthHeader() {
 }
 
 base::Result<std::unique_ptr<Recording>> Recording::Open(const std::string& path) {
-  base::UniqueFd file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-  if (!file) {
-    return base::Error{path + ": the recording cannot be created: " + std::strerror(errno) +
-                       ": check that its folder exists and is writable"};
-  }
-  return std::unique_ptr<Recording>(new Recording(std::move(file), path));
+  base::Result<base::UniqueFd> file = base::MakeNewFile(path);
+  if (!file.ok()) return base::Error{file.error()};
+  return std::unique_ptr<Recording>(new Recording(std::move(*file), path));
 }
 
 Recording::Recording(base::UniqueFd file, std::string path) : file_(std::move(file)), path_(std::move(path)) {

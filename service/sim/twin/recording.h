@@ -36,7 +36,7 @@ struct TruthRow {
 
 class Recording {
  public:
-  // Creates or truncates `path`.
+  // A new file (base::MakeNewFile).
   static base::Result<std::unique_ptr<Recording>> Open(const std::string& path);
   ~Recording();  // writes what is queued; says once on stderr when rows were lost
   Recording(const Recording&) = delete;

@@ -24,26 +24,24 @@ constexpr int kRealTimePriority = 30;
 volatile std::sig_atomic_t stop_requested = 0;
 void RequestStop(int) { stop_requested = 1; }
 
-// SIGTERM and SIGINT end the loop, so that the recording is complete; the former handlers come back afterwards.
+// These end the loop, so that the recording is complete; the former handlers come back afterwards.
 class StopSignals {
  public:
   StopSignals() {
     stop_requested = 0;
     struct sigaction action {};
     action.sa_handler = RequestStop;
-    sigaction(SIGTERM, &action, &terminate_);
-    sigaction(SIGINT, &action, &interrupt_);
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &former_[i]);
   }
   ~StopSignals() {
-    sigaction(SIGTERM, &terminate_, nullptr);
-    sigaction(SIGINT, &interrupt_, nullptr);
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &former_[i], nullptr);
   }
   StopSignals(const StopSignals&) = delete;
   StopSignals& operator=(const StopSignals&) = delete;
 
  private:
-  struct sigaction terminate_ {};
-  struct sigaction interrupt_ {};
+  static constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
+  std::array<struct sigaction, kSignals.size()> former_{};
 };
 
 // A real base does not wait for the host's scheduler. Where this is refused the twin merely ticks less evenly.

@@ -3,7 +3,9 @@
 #include <string>
 
 #include "service/base/clock.h"
+#include "service/base/files/new_file.h"
 #include "service/config/files/device_file.h"
+#include "service/daemon/check_options.h"
 #include "service/daemon/devices/open_device.h"
 #include "service/device/recording/recording_reader.h"
 #include "service/tools/common/command_line.h"
@@ -39,9 +41,13 @@ std::string ReadScans(device::Transport& transport, double seconds) {
 int RecordBase(const RecordRequest& request) {
   const std::string& path = request.run.record_device_path;
   if (daemon::IsReplay(request.run.device)) return FailRecord("--device " + request.run.device + " is a recording");
+  if (const std::string problem = base::NewFileProblem(path, request.run.replace); !problem.empty()) {
+    return FailRecord(problem);
+  }
+  if (const auto way = daemon::MakeWay(request.run); !way.ok()) return FailRecord(way.error());
   base::Result<daemon::OpenedDevice> opened = daemon::OpenDevice(request.run);
   if (!opened.ok()) return FailRecord(opened.error());
-  const std::string refused = daemon::RecordDevice(request.run, config::DefaultDevice().current_max_A, 1, *opened);
+  const std::string refused = daemon::RecordDevice(request.run, config::DefaultDevice().current_max_A, *opened);
   if (!refused.empty()) return FailRecord(refused);
   const std::string ended = ReadScans(*opened->transport, request.seconds);
   device::DeviceRecorder& recorder = opened->recording->recorder();
@@ -59,7 +65,8 @@ void AddRecord(Command& app) {
   auto request = std::make_shared<RecordRequest>();
   Command record = app.AddCommand(
       "record", "record what a base measures, with its coils at rest; omnid --record-device records one in use");
-  record.Add("file", request->run.record_device_path, "the recording; replaced if it exists").Required();
+  record.Add("file", request->run.record_device_path, "the recording; a new file").Required();
+  record.Add("--replace", request->run.replace, "replaces a file that exists");
   record.Add("--device", request->run.device, daemon::DeviceHelp())
       .Check("DEVICE", daemon::DeviceProblem)
       .ShowDefault();

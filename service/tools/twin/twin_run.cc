@@ -9,11 +9,9 @@
 #include <string>
 #include <vector>
 
-#include <stdlib.h>
-#include <unistd.h>
-
 #include <nlohmann/json.hpp>
 
+#include "service/base/files/new_file.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"
@@ -23,6 +21,7 @@
 #include "service/sim/twin/twin.h"
 #include "service/tools/calibrate/calibrate_hand.h"
 #include "service/tools/calibrate/calibrate_kept.h"
+#include "service/tools/common/child_program.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
 #include "service/tools/common/json_text.h"
@@ -41,6 +40,7 @@ struct RunArguments {
   std::string scene;
   std::string hand;
   std::string record;
+  bool replace = false;
   std::string twin;
   std::string calibration;
   std::uint64_t seed = 1;
@@ -64,29 +64,6 @@ base::Result<sim::HandScript> HandFor(const RunArguments& arguments, const std::
   if (!file.empty()) return sim::LoadHandScript(file);
   return MakeHandPath(scene, {.places = {.hull_radius_m = config::DefaultDevice().hull_radius_m}});
 }
-
-// Where the twin records its truth: the requested file, otherwise a temporary one.
-class TruthFile {
- public:
-  explicit TruthFile(const std::string& wanted) : path_(wanted), ours_(wanted.empty()) {
-    if (!ours_) return;
-    path_ = (std::filesystem::temp_directory_path() / "omni-truth-XXXXXX").string();
-    const int fd = ::mkstemp(path_.data());
-    if (fd >= 0) ::close(fd);
-  }
-  ~TruthFile() {
-    std::error_code error;
-    if (ours_) std::filesystem::remove(path_, error);
-  }
-  TruthFile(const TruthFile&) = delete;
-  TruthFile& operator=(const TruthFile&) = delete;
-
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-  bool ours_;
-};
 
 base::Result<loop::TickConfig> ConfigFor(const RunArguments& arguments, const base::DeviceGeometry& device) {
   if (arguments.as_drawn) return loop::MakeTickConfig(device);
@@ -145,13 +122,19 @@ int RunTwin(const RunArguments& arguments) {
   if (!truth.ok()) return Fail("omni twin run", truth.error());
   const auto tick = ConfigFor(arguments, device);
   if (!tick.ok()) return Fail("omni twin run", tick.error());
-  const TruthFile recording(arguments.record);
+  const base::Result<PrivateFolder> folder = PrivateFolder::Make("omni-twin-run");
+  if (!folder.ok()) return Fail("omni twin run", folder.error());
+  const std::string recording = arguments.record.empty() ? folder->path() + "/truth.csv" : arguments.record;
+  if (const std::string problem = base::NewFileProblem(recording, arguments.replace); !problem.empty()) {
+    return Fail("omni twin run", problem);
+  }
+  if (const auto way = base::RemoveForNew(recording); !way.ok()) return Fail("omni twin run", way.error());
   auto twin = sim::MakeVirtualTwin(device,
                                    {.seed = arguments.seed,
                                     .script = *hand,
                                     .truth = *truth,
                                     .flip_coil_sign = arguments.flip_coil_sign,
-                                    .recording_path = recording.path()},
+                                    .recording_path = recording},
                                    seconds);
   std::vector<TrackedPosition> tracked;
   const std::function<bool(double)> progress = ProgressOnTerminal("run");
@@ -164,7 +147,7 @@ int RunTwin(const RunArguments& arguments) {
         tracked.push_back({static_cast<double>(scan.t_ns), out.tool.position_base_m, std::sqrt(C[0] + C[6] + C[12])});
       });
   twin.reset();  // the recording is complete then
-  const auto table = CsvTable::Read(recording.path());
+  const auto table = CsvTable::Read(recording);
   if (!table.ok()) return Fail("omni twin run", table.error());
   const TrackingErrors errors = CompareTracking(tracked, *table);
   if (arguments.as_json) {
@@ -224,7 +207,8 @@ void AddTwin(Command& app) {
   run.Add("--seed", arguments->seed, "seed of noise and imperfections").ShowDefault();
   run.Add("--hand", arguments->hand, "hand script (default: the scene's own, else one that touches it)");
   run.Add("--seconds", arguments->seconds, "default: the script's length");
-  run.Add("--record", arguments->record, "CSV file of the twin's truth");
+  run.Add("--record", arguments->record, "CSV file of the twin's truth, a new file");
+  run.Add("--replace", arguments->replace, "--record replaces a file that exists");
   const Option twin_option = run.Add("--twin", arguments->twin, config::kTwinHelp);
   run.AddShort("--ideal", arguments->twin, config::kIdeal, config::kIdealHelp).Excludes(twin_option);
   Option calibration =
