@@ -9,6 +9,8 @@ namespace omni::wire {
 // pid.codes' number for tests, private use only; a base that is sold needs one of its own.
 constexpr std::uint16_t kUsbVendorId = 0x1209;
 constexpr std::uint16_t kUsbProductId = 0x0001;
+// Others use that number too: a base is a device with it, with this product string and the interface below.
+constexpr char kUsbProductName[] = "Omni haptic base";
 
 // The one interface: vendor specific, one bulk IN and one bulk OUT. One frame is one transfer.
 constexpr std::uint8_t kUsbInterfaceClass = 0xFF;

@@ -54,6 +54,7 @@ TEST(UdevRule, GrantsTheSeatUserAccessToTheBaseOnly) {
                       {"ENV{DEVTYPE}==", "usb_device"},
                       {"ATTR{idVendor}==", Hex(wire::kUsbVendorId)},
                       {"ATTR{idProduct}==", Hex(wire::kUsbProductId)},
+                      {"ATTR{product}==", wire::kUsbProductName},
                       {"TAG+=", "uaccess"}};
   EXPECT_EQ(rules[0], expected);
 }

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "firmware/wire/usb_ids.h"
 #include "tests/support/chips/usb_bench.h"
 
 namespace omni::drivers::usb {
@@ -61,7 +62,7 @@ TEST_F(UsbEnumerate, MatchesLinuxRequestSequence) {
   EXPECT_EQ(whole.size(), 32U);
   EXPECT_EQ(Get(3, 0), (Bytes{4, 3, 0x09, 0x04}));
   EXPECT_EQ(Text(1), "Omni");
-  EXPECT_EQ(Text(2), "Omni haptic base");
+  EXPECT_EQ(Text(2), wire::kUsbProductName);
   EXPECT_EQ(Text(3), "0123456789abcdef");
   ASSERT_EQ(host.Configure(), Status::kOk);
   EXPECT_EQ(device.state(), DeviceState::kConfigured);

@@ -16,7 +16,7 @@ namespace {
 constexpr unsigned kControlTimeout_ms = 500;
 constexpr int kControlAttempts = 3;
 constexpr std::size_t kPortsMax = 7;  // [USB 3.0, 8.9]
-constexpr int kSerialMax = 64;
+constexpr int kTextMax = 64;
 
 struct Found {
   libusb_device* device = nullptr;
@@ -73,18 +73,48 @@ const char* SpeedOf(libusb_device* device) {
   }
 }
 
-// The serial number that the kernel has read, in sysfs.
-std::string SerialInSysfs(const std::string& port) {
-  std::ifstream file("/sys/bus/usb/devices/" + port + "/serial");
-  std::string serial;
-  std::getline(file, serial);
-  return PrintableText(serial.data(), std::min<std::size_t>(serial.size(), kSerialMax));
+// A string that the kernel has read, in sysfs: "serial", "product".
+std::string TextInSysfs(const std::string& port, const char* name) {
+  std::ifstream file("/sys/bus/usb/devices/" + port + "/" + name);
+  std::string text;
+  std::getline(file, text);
+  return PrintableText(text.data(), std::min<std::size_t>(text.size(), kTextMax));
 }
 
-std::string SerialOf(libusb_device_handle* handle, std::uint8_t index) {
-  std::array<unsigned char, kSerialMax> text{};
-  const int size = index == 0 ? 0 : libusb_get_string_descriptor_ascii(handle, index, text.data(), kSerialMax);
+std::string TextOf(libusb_device_handle* handle, std::uint8_t index) {
+  std::array<unsigned char, kTextMax> text{};
+  const int size = index == 0 ? 0 : libusb_get_string_descriptor_ascii(handle, index, text.data(), kTextMax);
   return PrintableText(reinterpret_cast<const char*>(text.data()), static_cast<std::size_t>(std::max(0, size)));
+}
+
+// Vendor specific, with one bulk IN and one bulk OUT.
+bool IsOurInterface(const libusb_interface_descriptor& interface) {
+  if (interface.bInterfaceClass != wire::kUsbInterfaceClass ||
+      interface.bInterfaceSubClass != wire::kUsbInterfaceSubclass ||
+      interface.bInterfaceProtocol != wire::kUsbInterfaceProtocol || interface.bNumEndpoints != 2) {
+    return false;
+  }
+  int in = 0, out = 0;
+  for (const libusb_endpoint_descriptor* end = interface.endpoint; end != interface.endpoint + 2; ++end) {
+    const bool bulk = (end->bmAttributes & LIBUSB_TRANSFER_TYPE_MASK) == LIBUSB_TRANSFER_TYPE_BULK;
+    ++((end->bEndpointAddress & LIBUSB_ENDPOINT_DIR_MASK) == LIBUSB_ENDPOINT_IN ? in : out);
+    if (!bulk) return false;
+  }
+  return in == 1 && out == 1;
+}
+
+bool HasOurInterface(libusb_device* device) {
+  libusb_config_descriptor* config = nullptr;
+  if (libusb_get_active_config_descriptor(device, &config) != LIBUSB_SUCCESS &&
+      libusb_get_config_descriptor(device, 0, &config) != LIBUSB_SUCCESS) {
+    return false;
+  }
+  bool ours = false;
+  for (const libusb_interface* one = config->interface; one != config->interface + config->bNumInterfaces; ++one) {
+    for (int k = 0; k < one->num_altsetting; ++k) ours = ours || IsOurInterface(one->altsetting[k]);
+  }
+  libusb_free_config_descriptor(config);
+  return ours;
 }
 
 class LibusbBus final : public UsbBus {
@@ -122,22 +152,27 @@ class LibusbBus final : public UsbBus {
   }
 
  private:
-  // Fills `base` if `device` is one.
+  // Fills `base` if `device` is one: by number, interface and product string, as far as they can be read. Nothing is
+  // written to a device that is not.
   static bool Look(libusb_device* device, UsbBase& base) {
     libusb_device_descriptor descriptor{};
     if (libusb_get_device_descriptor(device, &descriptor) != LIBUSB_SUCCESS) return false;
     if (descriptor.idVendor != wire::kUsbVendorId || descriptor.idProduct != wire::kUsbProductId) return false;
+    if (!HasOurInterface(device)) return false;
     base = {.serial = "", .node = NodeOf(device), .speed = SpeedOf(device), .port = PortOf(device), .problem = ""};
+    std::string product;
     libusb_device_handle* raw = nullptr;
     const int opened = libusb_open(device, &raw);
     const LibusbHandle handle(raw);
     if (opened == LIBUSB_SUCCESS) {
-      base.serial = SerialOf(raw, descriptor.iSerialNumber);
+      base.serial = TextOf(raw, descriptor.iSerialNumber);
+      product = TextOf(raw, descriptor.iProduct);
     } else {
       base.problem = LibusbProblem(opened, "open", base.node);
     }
-    if (base.serial.empty()) base.serial = SerialInSysfs(base.port);
-    return true;
+    if (base.serial.empty()) base.serial = TextInSysfs(base.port, "serial");
+    if (product.empty()) product = TextInSysfs(base.port, "product");
+    return product.empty() || product == wire::kUsbProductName;
   }
 
   base::Result<LibusbHandle> OpenNode(const std::string& node) const {

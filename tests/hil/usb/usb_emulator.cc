@@ -13,6 +13,7 @@
 
 #include "firmware/drivers/usb_descriptors.h"
 #include "firmware/wire/frame.h"
+#include "firmware/wire/usb_ids.h"
 #include "tests/hil/usb/usb_descriptors.h"
 
 namespace omni::hil {
@@ -54,8 +55,8 @@ std::string Describe(int device_number, const std::string& node, const std::stri
          "E: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: DRIVER=usb\nE: BUSNUM=001\nE: DEVNUM=" +
          ThreeDigits(device_number) + "\nE: DEVNAME=" + node + "\n" + "A: busnum=1\\n\nA: devnum=" + number +
          "\\n\nA: bConfigurationValue=1\\n\nA: speed=480\\n\n" +
-         "A: idVendor=1209\\n\nA: idProduct=0001\\n\nA: serial=" + serial + "\\n\n" +
-         "H: descriptors=" + Hex(SysfsDescriptors()) + "\n";
+         "A: idVendor=1209\\n\nA: idProduct=0001\\n\nA: product=" + wire::kUsbProductName + "\\n\nA: serial=" + serial +
+         "\\n\n" + "H: descriptors=" + Hex(SysfsDescriptors()) + "\n";
 }
 
 }  // namespace
