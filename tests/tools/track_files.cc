@@ -60,6 +60,44 @@ TEST_F(TrackFiles, ReadsAnyUnitAndWindowsLineEnds) {
   }
 }
 
+// As spreadsheets, instruments and scripts write the same numbers.
+TEST_F(TrackFiles, ReadsOrdinarySpellings) {
+  const std::string rows = "7,0,10,20,30\n7,1,-10,0,5\n7,2,1,2,3\n7,3,4,5,6\n";
+  const struct {
+    const char *what, *header;
+    std::string rows;
+  } files[] = {
+      {"byte order mark", "\xEF\xBB\xBFpose,sensor,bx_uT,by_uT,bz_uT\n", rows},
+      {"upper case", "Pose,Sensor,Bx_uT,By_uT,Bz_uT\n", rows},
+      {"units in round brackets", "pose,sensor,Bx (uT),By (uT),Bz (uT)\n", rows},
+      {"units in brackets", "pose,sensor,bx [\u00b5T],by [\u00b5T],bz [\u00b5T]\n", rows},
+      {"Greek mu", "pose,sensor,bx_\u03bcT,by_\u03bcT,bz_\u03bcT\n", rows},
+      {"quoted header", "\"pose\",\"sensor\",\"bx_uT\",\"by_uT\",\"bz_uT\"\n", rows},
+      {"quoted numbers", kHeader, "7,0,\"10\",\"20\",\"30\"\n7,1,-10,0,5\n7,2,1,2,3\n7,3,4,5,6\n"},
+      {"signs", kHeader, "7,0,+10,+20.0,+3e1\n7,1,-10,0,5\n7,2,1,2,3\n7,3,4,5,6\n"},
+      {"comments", "# Teslameter 3000\npose,sensor,bx_uT,by_uT,bz_uT\n# start\n", rows},
+      {"nT", "pose,sensor,bx_nT,by_nT,bz_nT\n",
+       "7,0,10000,20000,30000\n7,1,-10000,0,5000\n7,2,1000,2000,3000\n7,3,4000,5000,6000\n"},
+      {"columns that are not used", "time,pose,sensor,bx_uT,by_uT,bz_uT,note,\n",
+       "12:00:01,7,0,10,20,30,\"left, high\",\n,7,1,-10,0,5,nan,\n,7,2,1,2,3,,\n,7,3,4,5,6,,\n"},
+  };
+  for (const auto& file : files) {
+    SCOPED_TRACE(file.what);
+    const auto recording = ReadRecording(folder_.Write("r.csv", file.header + file.rows), Four());
+    ASSERT_TRUE(recording.ok()) << recording.error();
+    ASSERT_EQ(recording->poses.size(), 1U);
+    EXPECT_NEAR(recording->poses[0].field_sensor_T[0].z, 30e-6, 1e-15);
+    EXPECT_NEAR(recording->poses[0].field_sensor_T[1].x, -10e-6, 1e-15);
+  }
+}
+
+TEST_F(TrackFiles, NamesAWrongSeparator) {
+  ExpectWords(ReadingsError("pose;sensor;bx_uT;by_uT;bz_uT\n7;0;10;20;30\n"), {":1: ", "\";\"", "commas"});
+  ExpectWords(ReadingsError("pose\tsensor\tbx_uT\tby_uT\tbz_uT\n7\t0\t10\t20\t30\n"), {":1: ", "a tab", "commas"});
+  ExpectWords(ReadingsError("pose sensor bx_uT by_uT bz_uT\n7 0 10 20 30\n"), {":1: ", "a space", "commas"});
+  ExpectWords(ReadingsError("pose,sensor,bx_uT,by_uT,bz_uT\n7,0,1,5,2,5,3,5\n"), {":2: ", "decimal commas"});
+}
+
 TEST_F(TrackFiles, CurrentColumnsAreAllOrNone) {
   std::string rows;
   for (int i = 0; i < 4; ++i) rows += "0," + std::to_string(i) + ",10,20,30,1.5,-2,0\n";

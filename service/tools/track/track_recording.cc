@@ -102,6 +102,10 @@ base::Result<Recording> ReadRecording(const std::string& path, const base::Calib
                        " of the columns i0_A, i1_A, i2_A; give all three or none"};
   }
   recording.has_currents = currents != 0;
+  if (recording.has_currents) {
+    const auto there = table->Require({std::begin(kCurrentColumns), std::end(kCurrentColumns)});
+    if (!there.ok()) return base::Error{there.error()};
+  }
   std::vector<std::vector<bool>> seen;
   for (std::size_t row = 0; row < table->rows(); ++row) {
     const std::string problem = AddRow(*table, row, *columns, array.sensors.size(), seen, recording);

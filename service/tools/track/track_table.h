@@ -1,4 +1,6 @@
-// A strict CSV table: header line, finite numbers, nothing else. For third-party recordings; recordings of our own runs
+// A CSV table as instruments, spreadsheets and scripts write it: a header line, then finite numbers in every column
+// that is used; others may hold anything. Read as it is meant: a byte order mark, quotes [RFC 4180], "+1.5", lines that
+// begin with #, and units as in "bx_uT", "Bx (uT)" or "bx [µT]". For third-party recordings; recordings of our own runs
 // are read by csv_table.h. Errors name file, line, column, value and remedy.
 #pragma once
 
@@ -15,9 +17,10 @@ class TrackTable {
 
   const std::string& path() const { return path_; }
   std::size_t rows() const { return lines_.size(); }
+  // Stem in lower case, then the unit: "bx_uT".
   const std::vector<std::string>& names() const { return names_; }
   bool Has(const std::string& column) const { return IndexOf(column) < names_.size(); }
-  // Precondition: Has(column).
+  // Precondition: Require, FieldColumn or LengthColumn had no error for it.
   double At(std::size_t row, const std::string& column) const { return At(row, IndexOf(column)); }
   double At(std::size_t row, std::size_t column) const { return values_[row * names_.size() + column]; }
   std::size_t IndexOf(const std::string& column) const;  // names().size(): absent
@@ -25,7 +28,7 @@ class TrackTable {
   // "file:line: ", of that row in the file.
   std::string Where(std::size_t row) const;
 
-  // Error unless all are there.
+  // Error unless all are there, with a finite number in every row.
   base::Status Require(const std::vector<std::string>& columns) const;
 
   // A column `stem`_<unit> in any of the units that `stem` allows; SI value = factor * number.
@@ -34,7 +37,7 @@ class TrackTable {
     double factor = 1;
     std::string unit;
   };
-  base::Result<UnitColumn> FieldColumn(const std::string& stem) const;   // T, mT, uT, G, mG
+  base::Result<UnitColumn> FieldColumn(const std::string& stem) const;   // T, mT, uT, nT, G, mG
   base::Result<UnitColumn> LengthColumn(const std::string& stem) const;  // m, mm
 
   // A whole number >= 0; the error names row and column.
@@ -50,7 +53,8 @@ class TrackTable {
   std::string path_;
   std::vector<std::string> names_;
   std::vector<double> values_;
-  std::vector<int> lines_;  // line number in the file, per row
+  std::vector<std::string> problems_;  // of each column: its first field that is no finite number; empty: none
+  std::vector<int> lines_;             // line number in the file, per row
 };
 
 }  // namespace omni::tools
