@@ -188,6 +188,9 @@ void Connection::Impl::Read(std::int64_t now_ns) {
     if (received.result == ReceiveResult::kTooLong) {
       return Fail(now_ns, "omnid at " + path + " sent a packet that is too long; restart omnid");
     }
+    if (received.result == ReceiveResult::kNoRoom) {
+      return Fail(now_ns, "this process has as many files open as it may (ulimit -n): omnid's memory cannot be mapped");
+    }
     const Incoming packet{now_ns, fds, received.fd_count};
     std::visit([&](const auto& message) { Receive(packet, message); },
                protocol::ValidateFromServer(buffer.data(), received.size));

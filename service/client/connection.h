@@ -33,7 +33,7 @@ struct ConnectionInfo {
   bool privileged = protocol::IsPrivileged();
 };
 
-// $OMNI_SOCKET, else $XDG_RUNTIME_DIR/omni/omnid.sock, else /tmp/omni-<uid>/omnid.sock.
+// protocol::DefaultSocketPath()
 std::string DefaultSocketPath();
 
 // The answer to a scene command.

@@ -209,6 +209,9 @@ void ControlLoop::ReadFrom(Peer& peer) {
       return Refuse(peer, "a packet over " + std::to_string(protocol::kMaxMessageBytes) +
                               " bytes, or with descriptors that no message has");
     }
+    if (received.result == ReceiveResult::kNoRoom) {
+      return Refuse(peer, "omnid has as many files open as it may; try again, or start it with a higher ulimit -n");
+    }
     if (!Handle(peer, protocol::ValidateFromClient(buffer_.data(), received.size), std::move(file))) return;
   }
 }

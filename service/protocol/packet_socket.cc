@@ -77,8 +77,13 @@ Received ReceivePacket(int socket, void* buffer, std::size_t capacity, base::Uni
     }
     const std::size_t fd_count = TakeFds(header, fds, fd_capacity);
     if (size == 0) return {ReceiveResult::kEnd, 0, 0};
-    const bool cut = (header.msg_flags & (MSG_TRUNC | MSG_CTRUNC)) != 0 || fd_count > fd_capacity;
-    return {cut ? ReceiveResult::kTooLong : ReceiveResult::kPacket, static_cast<std::size_t>(size), fd_count};
+    const bool too_long = (header.msg_flags & MSG_TRUNC) != 0 || fd_count > fd_capacity;
+    const bool lost = (header.msg_flags & MSG_CTRUNC) != 0;  // of descriptors; with room for more: EMFILE or ENFILE
+    const ReceiveResult result = too_long                         ? ReceiveResult::kTooLong
+                                 : lost && fd_count < fd_capacity ? ReceiveResult::kNoRoom
+                                 : lost                           ? ReceiveResult::kTooLong
+                                                                  : ReceiveResult::kPacket;
+    return {result, static_cast<std::size_t>(size), fd_count};
   }
 }
 

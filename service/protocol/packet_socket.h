@@ -22,7 +22,8 @@ enum class ReceiveResult {
   kPacket,
   kNothing,  // nothing there now
   kEnd,      // the peer has closed, or the socket has failed
-  kTooLong   // a packet longer than the buffer, or one with more descriptors than room for them
+  kTooLong,  // a packet longer than the buffer, or one with more descriptors than room for them
+  kNoRoom    // this process has as many descriptors open as it may: those of the packet are lost
 };
 struct Received {
   ReceiveResult result = ReceiveResult::kNothing;

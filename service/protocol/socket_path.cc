@@ -39,7 +39,11 @@ std::string DefaultSocketPath() {
   if (const std::string folder = Environment("XDG_RUNTIME_DIR"); !folder.empty() && folder.front() == '/') {
     return folder + "/omni/omnid.sock";
   }
-  return "/tmp/omni-" + std::to_string(::geteuid()) + "/omnid.sock";
+  const std::string uid = std::to_string(::geteuid());
+  if (const std::string folder = "/run/user/" + uid; CheckFolder(folder).state == FolderState::kGood) {
+    return folder + "/omni/omnid.sock";
+  }
+  return "/tmp/omni-" + uid + "/omnid.sock";
 }
 
 std::string PathProblem(const std::string& socket_path) {

@@ -9,7 +9,8 @@
 
 namespace omni::protocol {
 
-// $OMNI_SOCKET, else $XDG_RUNTIME_DIR/omni/omnid.sock, else /tmp/omni-<uid>/omnid.sock.
+// $OMNI_SOCKET, else $XDG_RUNTIME_DIR/omni/omnid.sock, else /run/user/<uid>/omni/omnid.sock if that folder is the
+// user's (sandboxes, cron and su leave the variable out), else /tmp/omni-<uid>/omnid.sock.
 std::string DefaultSocketPath();
 
 // What is wrong with the path itself (length, not absolute); empty: nothing.
