@@ -89,6 +89,17 @@ TEST_F(Doctor, XdgVariablesReplaceTheirStandardFolders) {
                                                                "/a" + below, "/b" + below, "/home/data" + below}));
 }
 
+// The loader's JSON reader allows them.
+TEST_F(Doctor, ReadsManifestsWithComments) {
+  const std::string manifest = Manifest(kSomeLayer);
+  Explicit("// made by hand\n" + manifest.substr(0, 1) + " /* \" */ // {\n" + manifest.substr(1));
+  const auto manifests = FindLayerManifests(there_);
+  ASSERT_EQ(manifests.size(), 1u);
+  EXPECT_EQ(manifests[0].problem, "");
+  Explicit("/* never closed " + manifest);
+  EXPECT_NE(FindLayerManifests(there_)[0].problem, "");
+}
+
 TEST_F(Doctor, ReportsWhyTheLoaderSkipsAManifest) {
   const struct {
     std::string content;
@@ -157,6 +168,13 @@ TEST_F(Doctor, ImplicitLayerHonoursEnableAndDisableVariables) {
   Expect(CheckEnabledLayers(there_), Verdict::kOk, {"implicit"});
   there_.environment["NO_OMNI"] = "0";  // and disable wins
   Expect(CheckEnabledLayers(there_), Verdict::kWarn, {"NO_OMNI", "unset"});
+}
+
+TEST_F(Doctor, LoaderOf32BitApplicationsIsNamed) {
+  Implicit(Manifest(kSomeLayer, R"(, "disable_environment": "NO_OMNI")"));
+  Expect(CheckEnabledLayers(there_), Verdict::kOk, {"implicit"});
+  folder_.Write("root/usr/lib/i386-linux-gnu/libopenxr_loader.so.1", "");
+  Expect(CheckEnabledLayers(there_), Verdict::kWarn, {"32-bit", "i386-linux-gnu", "NO_OMNI=1"});
 }
 
 // Observed with Debian's loader 1.0.20: it searches implicit layers for such a name only if there is an explicit one.

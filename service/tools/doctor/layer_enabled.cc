@@ -12,7 +12,15 @@ Finding CheckEnabledLayers(const Surroundings& surroundings) {
   }
   for (const LayerManifest& manifest : manifests) {
     if (manifest.name != kLayerName || !manifest.implicit) continue;
-    if (IsUsable(manifest, surroundings)) return {Verdict::kOk, "implicit: every application gets it", {}};
+    if (IsUsable(manifest, surroundings)) {
+      const auto others = LoadersOf32Bit(surroundings);
+      if (others.empty()) return {Verdict::kOk, "implicit: every application gets it", {}};
+      return {Verdict::kWarn,
+              "implicit: every application gets it, and 32-bit ones do not start: " + others[0].string() +
+                  " cannot load a 64-bit layer",
+              "start 32-bit applications with " + manifest.disable_environment +
+                  "=1, or name the layer for single applications: omni layer disable"};
+    }
     if (surroundings.Has(manifest.disable_environment)) {
       return {Verdict::kWarn, manifest.disable_environment + " is set: no application gets the layer",
               "unset " + manifest.disable_environment};

@@ -35,6 +35,11 @@ int Enable(const LayerArguments& arguments) {
   Print((enabled->replaced ? "replaced " : "wrote ") + enabled->file.string() + "\nevery OpenXR application of " +
         (arguments.system ? "this machine" : "this user") + " loads " + manifest.library +
         "\nto exclude one application, start it with " + manifest.disable_environment + "=1\n");
+  for (const auto& loader : LoadersOf32Bit(surroundings)) {
+    Print("warning: " + loader.string() +
+          " is there for 32-bit applications, which do not start with this layer: start them with " +
+          manifest.disable_environment + "=1\n");
+  }
   return kExitOk;
 }
 

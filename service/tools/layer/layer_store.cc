@@ -42,6 +42,14 @@ std::vector<LayerManifest> ManifestsIn(const fs::path& folder, bool implicit) {
   return manifests;
 }
 
+// Where the package looks for the manifest when it is removed: it does not know a user's XDG_DATA_HOME. Empty: the
+// manifest lies where it looks first.
+fs::path NoteOfPlace(const Surroundings& surroundings, LayerScope scope) {
+  const fs::path data = surroundings.Variable("XDG_DATA_HOME"), home = surroundings.Variable("HOME");
+  const bool usual = scope == LayerScope::kSystem || !data.is_absolute() || !home.is_absolute();
+  return usual || data == home / ".local/share" ? fs::path() : home / ".local/share/omni/layer_manifest";
+}
+
 bool SoundAndOurs(const LayerManifest& manifest) { return manifest.problem.empty() && manifest.name == kLayerName; }
 
 // Of another store than `folder`: with both, the loader would take either.
@@ -130,6 +138,10 @@ base::Result<EnabledLayer> EnableLayer(const Surroundings& surroundings, LayerSc
   if (error) return CannotWrite(*folder, scope, error.value());
   if (const int reason = base::PutWholeFile(enabled.file, {*text}, {.mode = kReadByAll}); reason != 0)
     return CannotWrite(enabled.file, scope, reason);
+  if (const fs::path note = NoteOfPlace(surroundings, scope); !note.empty()) {
+    const auto put = base::WriteWholeFile(note.string(), enabled.file.string() + "\n", {.make_folder = true});
+    if (!put.ok()) return base::Error{put.error()};
+  }
   return enabled;
 }
 
