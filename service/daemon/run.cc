@@ -9,6 +9,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "service/base/threads/realtime_threads.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/files/device_file.h"
 #include "service/config/inputs/input_settings.h"
@@ -46,6 +47,7 @@ bool ServeDevice(const RunOptions& options, const base::DeviceGeometry& device, 
 // The control thread ends the force of an application that has gone: only the tick goes before it. Refused: the loop's
 // own request says so.
 void RequestControlPriority(const RunOptions& options) {
+  static thread_local const base::RealtimeThread named("omni-control");  // until the thread ends
   if (options.realtime) static_cast<void>(loop::RequestFifo(loop::TickThread::Options{}.priority - 1));
 }
 
@@ -128,6 +130,7 @@ int RunChecked(RunOptions options, std::optional<ipc::InheritedSocket> inherited
 
 int Run(const RunOptions& options) {
   std::signal(SIGPIPE, SIG_IGN);
+  base::LeaveRealtimeAtLimit();
   auto inherited = ipc::TakeInheritedSocket();  // before the first thread
   const LogQueue log(options.log_level);
   if (!inherited.ok()) {

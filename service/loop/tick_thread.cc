@@ -2,6 +2,7 @@
 
 #include "service/base/clock.h"
 #include "service/base/stamp.h"
+#include "service/base/threads/realtime_threads.h"
 #include "service/loop/denormals.h"
 
 namespace omni::loop {
@@ -28,6 +29,7 @@ void TickThread::Stop() {
 }
 
 void TickThread::Run() {
+  const base::RealtimeThread named("omni-tick");
   if (options_.realtime) realtime_ = RequestRealtime(options_.priority);
   FlushDenormals();
   started_.store(true, std::memory_order_release);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/wire/names.h"
+#include "service/base/threads/realtime_threads.h"
 #include "service/base/vec.h"
 #include "service/config/inputs/input_table.h"
 #include "service/daemon/devices/open_device.h"
@@ -76,6 +77,14 @@ json Room(const std::vector<RoomFinding>& findings) {
   return rows;
 }
 
+json ThreadRows() {
+  json rows = json::array();
+  for (const base::ListedThread& thread : base::RealtimeThreads()) {
+    rows.push_back({{"name", thread.name}, {"id", thread.id}, {"realtime", thread.realtime}});
+  }
+  return rows;
+}
+
 json Ticks(const loop::TickThread& loop) {
   const loop::TickStatistics& s = loop.statistics();
   const loop::RealtimeStatus& realtime = loop.realtime();
@@ -89,7 +98,8 @@ json Ticks(const loop::TickThread& loop) {
           {"latency_us_p99", s.latency.Quantile_us(0.99)},
           {"response_us", 1e-3 * static_cast<double>(s.response_ns.load())},
           {"realtime", realtime.fifo && realtime.memory_locked},
-          {"realtime_reason", realtime.reason}};
+          {"realtime_reason", realtime.reason},
+          {"realtime_threads", ThreadRows()}};
 }
 
 // Null: the scene has no car.

@@ -16,6 +16,7 @@
 
 #include "firmware/wire/frame.h"
 #include "service/base/clock.h"
+#include "service/base/threads/realtime_threads.h"
 #include "service/device/usb/libusb_handle.h"
 #include "service/device/usb/ready_event.h"
 
@@ -160,7 +161,7 @@ class LibusbLink final : public UsbLink {
   }
 
   void Run() noexcept {
-    pthread_setname_np(pthread_self(), "omni-usb");
+    const base::RealtimeThread named("omni-usb");
     const sched_param parameters{kPriority};
     if (realtime_) pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);  // the tick reports a refusal
     while (!stop_.load(std::memory_order_acquire) && !gone_) {

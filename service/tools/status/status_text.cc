@@ -68,8 +68,19 @@ std::string TickLine(const json& status) {
          TextAt(status, "/tick/response_us", 0) + " us after the sample";
 }
 
+// "omni-tick, omni-control": those that have it now, whoever gave it to them.
+std::string RealtimeThreads(const json& status) {
+  std::string names;
+  for (const json& thread : ArrayAt(status, "/tick/realtime_threads")) {
+    if (TrueAt(thread, "/realtime")) names += (names.empty() ? "" : ", ") + TextAt(thread, "/name");
+  }
+  return names;
+}
+
 std::string RealtimeLine(const json& status) {
-  if (TrueAt(status, "/tick/realtime")) return "granted";
+  const std::string threads = RealtimeThreads(status);
+  if (TrueAt(status, "/tick/realtime")) return "granted" + (threads.empty() ? "" : ": " + threads);
+  if (!threads.empty()) return "since the start: " + threads;
   const std::string reason = TextAt(status, "/tick/realtime_reason");
   return reason == "-" || reason.empty() ? "not requested" : "refused: " + reason;
 }
