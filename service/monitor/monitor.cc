@@ -40,11 +40,15 @@ scene::LoadOptions OptionsOf(const json& load, double hull_radius_m) {
 base::Result<std::unique_ptr<Monitor>> Monitor::Start(const MonitorOptions& options, std::unique_ptr<Trial> trial) {
   base::Result<std::string> token = MakeToken();
   if (!token.ok()) return base::Error{token.error()};
+  base::Result<std::string> code = MakeToken();
+  if (!code.ok()) return base::Error{code.error()};
   std::unique_ptr<Monitor> monitor(new Monitor(options, std::move(trial)));
   monitor->token_ = *token;
+  monitor->code_ = *code;
   auto server = WebServer::Listen(
       {.port = options.port,
        .token = *token,
+       .code = *code,
        .folder = options.page_folder,
        .max_message_bytes = options.hello.hand ? kMaxDroppedBytes + 1024 : std::size_t{kMaxRequestBytes}},
       *monitor);
@@ -68,6 +72,10 @@ Monitor::~Monitor() { server_.reset(); }
 
 std::string Monitor::address() const {
   return "http://127.0.0.1:" + std::to_string(server_->port()) + "/#token=" + token_;
+}
+
+std::string Monitor::browser_address() const {
+  return "http://127.0.0.1:" + std::to_string(server_->port()) + "/#code=" + code_;
 }
 
 std::string Monitor::Hello() { return json{{"protocol", kPageVersion}, {"version", options_.hello.version}}.dump(); }
@@ -228,7 +236,6 @@ LiveFrame Monitor::NewestFrame() const {
   state->Vehicle(frame.vehicle);
   state->Inputs(frame.inputs);
   if (frame.contacts.scene_generation != shown().generation) frame.contacts.count = 0;
-  if (trial_ != nullptr) frame.aim = trial_->aim();
   return frame;
 }
 
@@ -252,7 +259,11 @@ void Monitor::AddTicks(std::uint64_t from, LiveFrame& frame) const {
 void Monitor::SendFrame() {
   const auto state = connection_.state();
   if (pages_.empty()) return;
-  const LiveFrame newest = NewestFrame();
+  LiveFrame newest = NewestFrame();
+  if (trial_ != nullptr) {
+    trial_->Feel(newest.newest, newest.contacts, base::MonotonicNow_ns());
+    newest.aim = trial_->aim();
+  }
   const std::uint64_t end = state == nullptr ? 0 : state->published();
   constexpr std::uint64_t kKept = protocol::kRingCapacity - 2;
   std::uint64_t made_from = end + 1;

@@ -46,8 +46,10 @@ class Monitor : private WebHandler {
   static base::Result<std::unique_ptr<Monitor>> Start(const MonitorOptions& options, std::unique_ptr<Trial> trial);
   ~Monitor() override;
 
-  // To be opened in a browser; contains the token.
+  // For the person; contains the token.
   std::string address() const;
+  // For a browser's command line, which other users can read; contains a code that is good once.
+  std::string browser_address() const;
 
   // Serves until the next frame is due, then sends it.
   void Step();
@@ -94,7 +96,7 @@ class Monitor : private WebHandler {
   const std::unique_ptr<Trial> trial_;
   client::Connection connection_;
   std::unique_ptr<WebServer> server_;
-  std::string token_;
+  std::string token_, code_;
   std::map<PageId, Page> pages_;
   std::string hello_text_;
   std::string status_text_;

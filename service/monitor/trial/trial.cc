@@ -38,7 +38,8 @@ Trial::Trial(const TrialOptions& options)
                    .engine = "omni",
                    .socket_path = options.socket_path,
                    .retry_interval_ns = 50'000'000}),
-      hand_(options.hand_path) {
+      hand_(options.hand_path),
+      aim_limit_(options.aim_limit) {
   aim_.present = 0;
   connection_.SendSession(protocol::SessionState::kFocused);  // sent whenever it connects
 }
@@ -47,6 +48,7 @@ void Trial::ChooseScene(const std::string& path, const std::string& name, bool s
   SceneFileRequest request{.number = ++requests_, .path = path, .name = name, .fit_untagged = !shipped};
   request.options.hull_radius_m = options_.hull_radius_m;
   loads_.Request(std::move(request));
+  Lift();
   scene_ = {.number = scene_.number + 1, .revision = scene_.revision + 1, .name = name, .state = SceneState::kLoading};
 }
 
@@ -127,8 +129,21 @@ void Trial::HandleUpdates() {
 }
 
 bool Trial::Aim(const protocol::HandAim& aim) {
-  aim_ = aim;
-  return hand_.Connect() && hand_.Send(aim);
+  aim_ = aim_limit_.Limited(aim);
+  return hand_.Connect() && hand_.Send(aim_);
+}
+
+void Trial::Lift() {
+  if (aim_.present == 0) return;
+  aim_.present = 0;
+  Aim(aim_);
+}
+
+void Trial::Feel(const protocol::ToolSample& tool, const protocol::ContactSnapshot& contacts, std::int64_t now_ns) {
+  const double dt_s = felt_ns_ == 0 ? 0 : 1e-9 * static_cast<double>(now_ns - felt_ns_);
+  felt_ns_ = now_ns;
+  aim_limit_.Feel(tool, contacts, std::clamp(dt_s, 0.0, 0.1));
+  if (aim_.present != 0 && aim_limit_.Limited(aim_).tip_base_m != aim_.tip_base_m) Aim(aim_);
 }
 
 bool Trial::SetMaterial(const MaterialRequest& request) {

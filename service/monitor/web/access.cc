@@ -8,7 +8,7 @@
 namespace omni::monitor {
 namespace {
 
-constexpr std::string_view kBearer = "Bearer ";
+constexpr std::string_view kBearer = "Bearer ", kCode = "Code ";
 constexpr std::string_view kTokenPrefix = "token.";
 constexpr std::string_view kHttp = "http://";
 
@@ -56,6 +56,11 @@ bool OriginAllowed(std::string_view origin, std::uint16_t port) noexcept {
 std::string_view BearerToken(std::string_view authorization) noexcept {
   if (authorization.substr(0, kBearer.size()) != kBearer) return {};
   return Trimmed(authorization.substr(kBearer.size()));
+}
+
+std::string_view OnceCode(std::string_view authorization) noexcept {
+  if (authorization.substr(0, kCode.size()) != kCode) return {};
+  return Trimmed(authorization.substr(kCode.size()));
 }
 
 std::string_view ProtocolToken(std::string_view protocols) noexcept {

@@ -1,8 +1,10 @@
-// Who may use the page: a browser of this machine that opened the address omni printed. Three checks, since a server on
-// the loopback address is reachable from every web page that the person visits:
+// Who may use the page: a browser of this machine and user that opened the address omni printed. Four checks, since a
+// server on the loopback address is reachable from every program, and from every web page that the person visits:
+//   user    of the other end of the connection is ours (peer_user.h): other users of this machine are refused
 //   Host    names the loopback address: a foreign name that resolves to it (DNS rebinding) is refused
 //   Origin  is this server's own: scripts of other pages are refused
-//   token   random, of this start: other programs and other users of this machine are refused
+//   token   random, of this start: other programs are refused. What omni gives to a browser's command line, which every
+//           user can read, is a code that is good once for the token
 #pragma once
 
 #include <cstdint>
@@ -27,6 +29,9 @@ bool OriginAllowed(std::string_view origin, std::uint16_t port) noexcept;
 
 // The token in an Authorization header: "Bearer TOKEN". Empty: there is none.
 std::string_view BearerToken(std::string_view authorization) noexcept;
+
+// The code in an Authorization header: "Code CODE". Empty: there is none.
+std::string_view OnceCode(std::string_view authorization) noexcept;
 
 // The token in a Sec-WebSocket-Protocol header: "omni-page, token.TOKEN". Empty: there is none.
 inline constexpr std::string_view kPageProtocol = "omni-page";

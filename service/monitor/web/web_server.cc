@@ -18,6 +18,7 @@
 
 #include "service/base/clock.h"
 #include "service/monitor/web/access.h"
+#include "service/monitor/web/peer_user.h"
 
 namespace omni::monitor {
 namespace {
@@ -29,7 +30,9 @@ namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr std::size_t kMaxConnections = 64;  // pages, and browsers that fetch files
+// Requests that are being read or answered: of more, the oldest ends, so that no one who says nothing keeps a page out.
+// A browser opens six at once.
+constexpr std::size_t kMaxRequests = 16;
 constexpr std::uint32_t kMaxHeaderBytes = 8 << 10;
 constexpr auto kRequestTime = std::chrono::seconds(10);  // to send a whole request
 constexpr const char* kPolicy =
@@ -56,19 +59,23 @@ struct WebServer::Impl {
   struct Page;
   struct Connection;
 
-  Impl(const WebOptions& its_options, WebHandler& its_handler) : options(its_options), handler(its_handler) {}
+  Impl(const WebOptions& its_options, WebHandler& its_handler)
+      : options(its_options), code(its_options.code), handler(its_handler) {}
 
   void Accept();
+  bool IsOurs(const tcp::socket& socket) const;
+  void MakeRoom();
   http::response<http::string_body> Answer(const http::request<http::empty_body>& request);
   // What is wrong with a request for a WebSocket; nothing: it may be accepted.
   std::optional<http::response<http::string_body>> Refusal(const http::request<http::empty_body>& request) const;
   void AddPage(tcp::socket socket, const http::request<http::empty_body>& request);
 
   const WebOptions options;
+  std::string code;  // until it is used
   WebHandler& handler;
-  std::size_t connections = 0;  // outlives the context, whose operations own the connections
   asio::io_context context{1};
   tcp::acceptor acceptor{context};
+  std::deque<std::weak_ptr<Connection>> requests;
   PageId last_page = 0;
   std::map<PageId, std::shared_ptr<Page>> pages;
   std::uint64_t bytes_sent = 0;
@@ -103,7 +110,6 @@ http::response<http::string_body> Text(unsigned version, http::status status, st
 struct WebServer::Impl::Page : std::enable_shared_from_this<Page> {
   Page(Impl& its_server, PageId its_id, tcp::socket socket)
       : server(its_server), id(its_id), stream(std::move(socket)) {}
-  ~Page() { --server.connections; }
 
   struct Message {
     std::shared_ptr<const std::string> bytes;
@@ -195,12 +201,7 @@ struct WebServer::Impl::Page : std::enable_shared_from_this<Page> {
 
 // One HTTP request and its answer; or it becomes a page.
 struct WebServer::Impl::Connection : std::enable_shared_from_this<Connection> {
-  Connection(Impl& its_server, tcp::socket socket) : server(its_server), stream(std::move(socket)) {
-    ++server.connections;
-  }
-  ~Connection() {
-    if (!handed_over) --server.connections;
-  }
+  Connection(Impl& its_server, tcp::socket socket) : server(its_server), stream(std::move(socket)) {}
 
   void Start() {
     parser.header_limit(kMaxHeaderBytes);
@@ -219,7 +220,6 @@ struct WebServer::Impl::Connection : std::enable_shared_from_this<Connection> {
     const http::request<http::empty_body> request = parser.release();
     if (!websocket::is_upgrade(request)) return Reply(server.Answer(request));
     if (auto refusal = server.Refusal(request)) return Reply(std::move(*refusal));
-    handed_over = true;
     stream.expires_never();
     server.AddPage(stream.release_socket(), request);
   }
@@ -238,13 +238,33 @@ struct WebServer::Impl::Connection : std::enable_shared_from_this<Connection> {
   beast::flat_buffer buffer;
   http::request_parser<http::empty_body> parser;
   http::response<http::string_body> response;
-  bool handed_over = false;
 };
+
+bool WebServer::Impl::IsOurs(const tcp::socket& socket) const {
+  error_code error;
+  const tcp::endpoint peer = socket.remote_endpoint(error);
+  if (error) return false;
+  const auto user = UserOfLoopback(peer.port(), acceptor.local_endpoint().port());
+  return user && (*user == 0 || *user == options.user.value_or(::geteuid()));
+}
+
+void WebServer::Impl::MakeRoom() {
+  std::erase_if(requests, [](const std::weak_ptr<Connection>& one) { return one.expired(); });
+  while (requests.size() >= kMaxRequests) {
+    if (const auto oldest = requests.front().lock()) oldest->stream.close();
+    requests.pop_front();
+  }
+}
 
 void WebServer::Impl::Accept() {
   acceptor.async_accept([this](error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (!error && connections < kMaxConnections) std::make_shared<Connection>(*this, std::move(socket))->Start();
+    if (!error && IsOurs(socket)) {
+      MakeRoom();
+      const auto connection = std::make_shared<Connection>(*this, std::move(socket));
+      requests.push_back(connection);
+      connection->Start();
+    }
     Accept();
   });
 }
@@ -265,7 +285,12 @@ http::response<http::string_body> WebServer::Impl::Answer(const http::request<ht
     if (!origin.empty() && !OriginAllowed(origin, acceptor.local_endpoint().port())) {
       return Text(version, http::status::forbidden, "another page may not ask here\n");
     }
-    if (!SameToken(BearerToken(View(request[http::field::authorization])), options.token)) {
+    const std::string_view authorization = View(request[http::field::authorization]);
+    if (SameToken(OnceCode(authorization), code)) {
+      code.clear();
+      return Response(version, http::status::ok, "application/json", "{\"token\": \"" + options.token + "\"}");
+    }
+    if (!SameToken(BearerToken(authorization), options.token)) {
       return Text(version, http::status::forbidden,
                   "the token is missing, or of another start of omni; open the address that it printed\n");
     }

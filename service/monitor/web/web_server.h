@@ -2,9 +2,12 @@
 // the thread that calls RunUntil. docs/protocol/page.md.
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -29,7 +32,9 @@ class WebHandler {
 struct WebOptions {
   std::uint16_t port = 0;  // 0: any that is free
   std::string token;
-  std::string folder;  // of the page's files
+  std::string code;           // good once, for the token: it may stand in the command line of a browser. Empty: none
+  std::optional<uid_t> user;  // whose connections are served, and root's; none: this process's
+  std::string folder;         // of the page's files
   std::size_t max_pages = 20;
   std::size_t max_message_bytes = 64 << 10;  // that a page may send
 };

@@ -19,6 +19,7 @@ export interface LinkEvents {
 
 const kTokenKey = 'omni.token';
 const kTokenInHash = /(?:^#|&)token=([0-9a-fA-F]+)/;
+const kCodeInHash = /(?:^#|&)code=([0-9a-fA-F]+)/;
 const kRetryFirst_ms = 500;
 const kRetryLast_ms = 5000;
 const kAnswer_ms = 15_000; // for /hello
@@ -29,18 +30,31 @@ const kDropVersion = 1;
 const kCloseForbidden = 4003;
 const kTypes = new Set(['hello', 'status', 'setup', 'scene', 'notice', 'answer']);
 
-// The token is in the address as #token=HEX once. It is kept for reloads of this tab, and taken out of the address
-// bar, where it would end up in pictures of the screen and bookmarks.
-function takeToken(): string {
-  const found = kTokenInHash.exec(location.hash);
+// For reloads of this tab.
+function keepToken(token: string): void {
   try {
-    if (found?.[1] === undefined) return sessionStorage.getItem(kTokenKey) ?? '';
-    sessionStorage.setItem(kTokenKey, found[1]);
+    sessionStorage.setItem(kTokenKey, token);
   } catch {
     // no storage: a reload then needs the printed address again
   }
-  if (found !== null) history.replaceState(null, '', location.pathname + location.search);
-  return found?.[1] ?? '';
+}
+
+function keptToken(): string {
+  try {
+    return sessionStorage.getItem(kTokenKey) ?? '';
+  } catch {
+    return '';
+  }
+}
+
+// The token is in the address as #token=HEX once; or #code=HEX, which is good once for it. Both are taken out of the
+// address bar, where they would end up in pictures of the screen and bookmarks.
+function takeKey(): { token: string; code: string } {
+  const token = kTokenInHash.exec(location.hash)?.[1];
+  const code = kCodeInHash.exec(location.hash)?.[1];
+  if (token !== undefined) keepToken(token);
+  if (token !== undefined || code !== undefined) history.replaceState(null, '', location.pathname + location.search);
+  return { token: token ?? keptToken(), code: code ?? '' };
 }
 
 // Throws RangeError, like decode.
@@ -57,7 +71,8 @@ function parse(text: string): TextMessage {
 }
 
 export class Link {
-  private token = takeToken();
+  private token: string;
+  private code: string; // "": none, or used
   private socket: WebSocket | null = null;
   private attempt = 0; // counts up: answers to an older attempt are ignored
   private retry_ms = kRetryFirst_ms;
@@ -65,10 +80,11 @@ export class Link {
   private lost_ms = NaN;
 
   constructor(private readonly events: LinkEvents) {
+    ({ token: this.token, code: this.code } = takeKey());
     // Another address of the same page, pasted into this tab, changes only the hash.
     addEventListener('hashchange', () => {
-      if (!kTokenInHash.test(location.hash)) return;
-      this.token = takeToken();
+      if (!kTokenInHash.test(location.hash) && !kCodeInHash.test(location.hash)) return;
+      ({ token: this.token, code: this.code } = takeKey());
       this.restart();
     });
     addEventListener('online', () => {
@@ -126,6 +142,8 @@ export class Link {
 
   private async connect(): Promise<void> {
     const attempt = ++this.attempt;
+    if (this.code !== '') await this.redeem();
+    if (attempt !== this.attempt) return;
     if (this.token === '') {
       this.refuse('This address has no key. Open the address that omni printed: it ends in #token= and the key.');
       return;
@@ -157,6 +175,22 @@ export class Link {
       return;
     }
     this.openSocket(attempt);
+  }
+
+  // The code for the token. One that was used before changes nothing: a reload has the token already.
+  private async redeem(): Promise<void> {
+    const code = this.code;
+    this.code = '';
+    try {
+      const headers = { Authorization: `Code ${code}` };
+      const response = await fetch('/hello', { headers, cache: 'no-store', signal: AbortSignal.timeout(kAnswer_ms) });
+      const { token } = (response.ok ? await response.json() : {}) as { token?: unknown };
+      if (typeof token !== 'string') return;
+      this.token = token;
+      keepToken(token);
+    } catch {
+      // no answer: the token of before, if there is one, is tried
+    }
   }
 
   private openSocket(attempt: number): void {

@@ -8,6 +8,8 @@ namespace {
 constexpr double kBandwidth_rad_s = 40;  // an arm follows what it sees up to some Hz: 2 / w late in steady motion
 constexpr double kFastest_m_s = 0.5;
 constexpr double kHardest_m_s2 = 20;
+constexpr double kEnter_1_s = 6;       // a pen that enters: its speed over what is left of the way ...
+constexpr double kEntered_m = 1.5e-3;  // ... until so much is left
 constexpr double kFastestTurn_rad_s = 5;
 
 Vec3 Clamped(const Vec3& v, double most) noexcept {
@@ -29,6 +31,7 @@ void LedPath::Aim(const HandAim& aim) noexcept {
     tip_m_ = aim.tip_base_m + Vec3{0, 0, kEnterFrom_m};
     velocity_m_s_ = axis_rate_1_s_ = {};
     axis_ = aim.axis_base;
+    enters_ = true;
   }
   aim_ = aim;
 }
@@ -43,7 +46,10 @@ void LedPath::Step(double dt_s) noexcept {
 void LedPath::StepTip(double dt_s) noexcept {
   constexpr double w = kBandwidth_rad_s;
   const Vec3 wanted_m_s2 = w * w * (aim_.tip_base_m - tip_m_) - 2 * w * velocity_m_s_;
-  velocity_m_s_ = Clamped(velocity_m_s_ + dt_s * Clamped(wanted_m_s2, kHardest_m_s2), kFastest_m_s);
+  const double left_m = Norm(aim_.tip_base_m - tip_m_);
+  enters_ = enters_ && left_m > kEntered_m;
+  const double fastest_m_s = enters_ ? std::min(kFastest_m_s, kEnter_1_s * left_m) : kFastest_m_s;
+  velocity_m_s_ = Clamped(velocity_m_s_ + dt_s * Clamped(wanted_m_s2, kHardest_m_s2), fastest_m_s);
   tip_m_ += dt_s * velocity_m_s_;
 }
 

@@ -12,7 +12,8 @@ class LedPath {
   // At rest at `start`.
   LedPath(const HandTarget& start, double tip_offset_m) noexcept;
 
-  // A pen that was away comes down to its aim from kEnterFrom_m above, where the base does not feel it.
+  // A pen that was away comes down to its aim from kEnterFrom_m above, where the base does not feel it; gently, so that
+  // it does not swing past an aim that is just above a surface.
   static constexpr double kEnterFrom_m = 0.15;
   void Aim(const HandAim& aim) noexcept;
   void Step(double dt_s) noexcept;
@@ -24,6 +25,7 @@ class LedPath {
   void StepAxis(double dt_s) noexcept;
 
   HandAim aim_;
+  bool enters_ = false;  // comes down
   double tip_offset_m_;
   Vec3 tip_m_, velocity_m_s_;
   Vec3 axis_, axis_rate_1_s_;

@@ -63,7 +63,7 @@ int MonitorPage(const MonitorArguments& arguments) {
   std::printf(arguments.control ? "pages may change and stop; Ctrl-C ends\n"
                                 : "pages only look and stop; --control lets them change; Ctrl-C ends\n");
   std::fflush(stdout);
-  if (arguments.open) OpenBrowser((*monitor)->address());
+  if (arguments.open) OpenBrowser((*monitor)->browser_address());
   const std::int64_t start_ns = base::MonotonicNow_ns();
   while (!EndSignals::asked() && static_cast<double>(base::MonotonicNow_ns() - start_ns) * 1e-9 < arguments.seconds) {
     (*monitor)->Step();

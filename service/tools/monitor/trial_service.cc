@@ -22,7 +22,7 @@ std::string LogOf(const std::string& folder) { return folder + "/omnid.log"; }
 
 }  // namespace
 
-base::Result<std::unique_ptr<TrialService>> TrialService::Start() {
+base::Result<std::unique_ptr<TrialService>> TrialService::Start(const std::string& twin_record) {
   base::Result<PrivateFolder> folder = PrivateFolder::Make("omni-try");
   if (!folder.ok()) return base::Error{folder.error()};
   const std::string& in = folder->path();
@@ -32,6 +32,7 @@ base::Result<std::unique_ptr<TrialService>> TrialService::Start() {
   if (const std::string calibration = config::ShippedCalibration({}, config::kShippedSeed); !calibration.empty()) {
     words.insert(words.end(), {"--calibration", calibration});
   }
+  if (!twin_record.empty()) words.insert(words.end(), {"--twin-record", twin_record});
   base::Result<ChildProgram> omnid = ChildProgram::Start("omnid", words, LogOf(in));
   if (!omnid.ok()) return base::Error{omnid.error()};
   return std::unique_ptr<TrialService>(new TrialService(std::move(*folder), std::move(*omnid)));

@@ -12,8 +12,9 @@ namespace omni::tools {
 
 class TrialService {
  public:
-  // Starts omnid on a socket in a folder that only the user can enter.
-  static base::Result<std::unique_ptr<TrialService>> Start();
+  // Starts omnid on a socket in a folder that only the user can enter. `twin_record`: a CSV file of the twin's truth;
+  // empty: none.
+  static base::Result<std::unique_ptr<TrialService>> Start(const std::string& twin_record);
 
   const std::string& folder() const { return folder_.path(); }
   std::string socket() const { return folder() + kSocketName; }

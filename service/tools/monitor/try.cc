@@ -13,6 +13,7 @@
 #include "service/config/files/device_file.h"
 #include "service/config/paths.h"
 #include "service/monitor/monitor.h"
+#include "service/sim/twin/twin.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
 #include "service/tools/common/terminal.h"
@@ -31,6 +32,7 @@ struct TryArguments {
   int port = 0;
   bool open = true;
   double seconds = std::numeric_limits<double>::infinity();
+  std::string twin_record;
 };
 
 // The scenes that Omni ships, in the order of the page.
@@ -55,7 +57,7 @@ int Try(const TryArguments& arguments) {
   if (!folder.ok()) return Fail(kTryCommand, folder.error());
   const base::Result<std::string> scene = FindScene(arguments.scene);
   if (!scene.ok()) return Fail(kTryCommand, scene.error());
-  const auto service = TrialService::Start();
+  const auto service = TrialService::Start(arguments.twin_record);
   if (!service.ok()) return Fail(kTryCommand, service.error());
 
   const base::DeviceGeometry& device = config::DefaultDevice();
@@ -77,10 +79,13 @@ int Try(const TryArguments& arguments) {
     options.scene_paths[choice.name] = ShippedScene(choice.name);
     shipped |= ShippedScene(choice.name) == *scene;
   }
+  const monitor::AimLimitOptions limit{.hand_stiffness_N_m = sim::HandScript{}.stiffness_N_m,
+                                       .force_max_N = device.force_max_N};
   auto trial = std::make_unique<monitor::Trial>(monitor::TrialOptions{.socket_path = (*service)->socket(),
                                                                       .hand_path = (*service)->hand(),
                                                                       .folder = (*service)->folder(),
-                                                                      .hull_radius_m = device.hull_radius_m});
+                                                                      .hull_radius_m = device.hull_radius_m,
+                                                                      .aim_limit = limit});
   trial->ChooseScene(*scene, std::filesystem::path(*scene).filename().string(), shipped);
   const auto monitor = monitor::Monitor::Start(options, std::move(trial));
   if (!monitor.ok()) return Fail(kTryCommand, monitor.error());
@@ -90,7 +95,7 @@ int Try(const TryArguments& arguments) {
   std::printf("An OpenXR application gets the pen with\n");
   for (const std::string& line : options.hello.environment) std::printf("  %s\n", line.c_str());
   std::fflush(stdout);
-  if (arguments.open) OpenBrowser((*monitor)->address());
+  if (arguments.open) OpenBrowser((*monitor)->browser_address());
   const std::int64_t start_ns = base::MonotonicNow_ns();
   while (!EndSignals::asked() && static_cast<double>(base::MonotonicNow_ns() - start_ns) * 1e-9 < arguments.seconds) {
     (*monitor)->Step();
@@ -109,6 +114,7 @@ void AddTry(Command& app) {
   command.Add("--port", arguments->port, "of 127.0.0.1 (default: any that is free)").Range(1, 65535);
   command.Add("!--no-open", arguments->open, "do not open a browser");
   command.Add("--seconds", arguments->seconds, "end after this many seconds (default: at Ctrl-C)").Positive();
+  command.Add("--twin-record", arguments->twin_record, "CSV file of the twin's true pose, forces and currents");
   command.Run(arguments, Try);
 }
 
