@@ -137,12 +137,10 @@ export class Visitor {
     await this.until('tracked', (text) => /is tracked/.test(text), 'the pen is there');
   }
 
-  // Straight down, by .8 mm a step: the front camera looks down by 22 degrees, so the wheel pushes as far as the drag
-  // comes nearer.
+  // Straight down, by .8 mm a step.
   async lower(steps) {
     const { height } = await this.canvas.boundingBox();
     await this.drag(0, (steps * height) / kViewHeight, 1);
-    await this.page.mouse.wheel(0, -7.5 * steps);
   }
 
   // Waits until the page has drawn twice, however slowly it draws: its texts are of now.

@@ -1,7 +1,8 @@
 // Mouse, trackpad, stylus and fingers on the canvas -> what they mean: on the pen they move it, beside it the view.
 export interface Gestured {
   take(clientX: number, clientY: number, touch: boolean): boolean; // pressed: is it the pen?
-  drag(fromX: number, fromY: number, toX: number, toY: number): void; // the pen, in the plane of the screen
+  // The pen: up, down and sideways; `other` (Shift): level, away and sideways.
+  drag(fromX: number, fromY: number, toX: number, toY: number, other: boolean): void;
   push(pixels: number): void; // the pen away from the viewer; < 0: towards
   tilt(dx: number, dy: number): void; // the pen's upper end
   drop(): void; // let go
@@ -67,7 +68,7 @@ export class Gestures {
 
   private modeOfMouse(event: PointerEvent): Mode {
     if (event.button === 1 || (event.button === 2 && event.shiftKey)) return 'pan';
-    if (event.button !== 0 || event.shiftKey) return 'orbit';
+    if (event.button !== 0) return 'orbit';
     if (!this.on.take(event.clientX, event.clientY, false)) return 'orbit';
     return event.ctrlKey || event.metaKey || event.altKey ? 'tilt' : 'pen';
   }
@@ -106,7 +107,7 @@ export class Gestures {
     } else {
       const from = { ...pointer };
       [pointer.x, pointer.y] = [x, y];
-      if (this.mode === 'pen') this.on.drag(from.x, from.y, x, y);
+      if (this.mode === 'pen') this.on.drag(from.x, from.y, x, y, event.shiftKey);
       else if (this.mode === 'tilt') this.on.tilt(dx, dy);
       else if (this.mode === 'orbit') this.on.orbit(dx, dy);
       else if (this.mode === 'pan') this.on.pan(dx, dy);

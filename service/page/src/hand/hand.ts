@@ -7,8 +7,8 @@ import { Gestures } from './gestures';
 import { kHelp, kLabelHand, kLabelView } from './help';
 import { HeldKeys, motionOf, type Motion } from './keys';
 
-const kStartHeight = 0.07; // m over the core's centre, or over the scene if that is higher
-const kStartGap = 0.015;
+const kStartHeight = 0.07; // m over the core's centre, where there is no scene
+const kStartGap = 0.0035; // m over the scene: a small drag touches it
 const kStartHighest = 0.2;
 const kIdle_ms = 500; // after its last word the hand keeps its own aim for so long: the answer is on its way
 const kTouchReach = 40; // pixels
@@ -54,8 +54,8 @@ export class Hand {
     window.addEventListener('blur', () => this.keys.clear());
     this.gestures = new Gestures(canvas, {
       take: (x, y, touch) => this.take(x, y, touch),
-      drag: (fromX, fromY, toX, toY) => this.drag(fromX, fromY, toX, toY),
-      push: (pixels) => this.move(add([0, 0, 0], view.cameraForward(), kPush * pixels)),
+      drag: (fromX, fromY, toX, toY, other) => this.drag(fromX, fromY, toX, toY, other),
+      push: (pixels) => this.move(add([0, 0, 0], view.depth(), kPush * pixels)),
       tilt: (dx, dy) => this.tiltBy(dx, dy),
       drop: () => this.drop(),
       orbit: (dx, dy) => view.orbit(dx, dy),
@@ -119,12 +119,9 @@ export class Hand {
     this.view.holdCamera(false);
   }
 
-  private drag(fromX: number, fromY: number, toX: number, toY: number): void {
+  private drag(fromX: number, fromY: number, toX: number, toY: number, other: boolean): void {
     const at = (this.wanted ?? this.aim)?.tip;
-    if (at === undefined) return;
-    const from = this.view.dragPlane(fromX, fromY, at);
-    const to = this.view.dragPlane(toX, toY, at);
-    if (from !== null && to !== null) this.move(add(to, from, -1));
+    if (at !== undefined) this.move(this.view.dragBy(fromX, fromY, toX, toY, at, other));
   }
 
   private tiltBy(dx: number, dy: number): void {
@@ -210,7 +207,7 @@ export class Hand {
   // Over the middle of the scene, tip down.
   private start(): void {
     const top = this.view.heightAt(0, 0);
-    const height = Math.min(kStartHighest, Math.max(kStartHeight, (top ?? 0) + kStartGap));
+    const height = Math.min(kStartHighest, top === null ? kStartHeight : top + kStartGap);
     const came = this.aim === null;
     this.set({ tip: [0, 0, height], axis: [0, 0, -1] });
     this.announce(came ? 'The pen is there, above the scene.' : 'The pen is back at the start.');

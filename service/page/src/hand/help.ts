@@ -9,8 +9,8 @@ export const kLabelView =
 
 export const kHelp: readonly { keys: string; does: string }[] = [
   { keys: 'Click, if there is no pen', does: 'put the pen above the scene' },
-  { keys: 'Drag the pen', does: 'move it in the plane of the screen; it follows like on a spring' },
-  { keys: 'Scroll on the pen (Shift: fine)', does: 'push it away from you or pull it towards you' },
+  { keys: 'Drag the pen', does: 'move it up, down and sideways; it follows like on a spring' },
+  { keys: 'Shift + drag the pen, or scroll on it', does: 'move it away from you and towards you' },
   { keys: 'Ctrl + drag the pen', does: 'tilt it' },
   { keys: 'Touch: a second finger while you hold the pen', does: 'apart: towards you; together: away from you' },
   { keys: '← → ↑ ↓', does: 'move the pen left, right, away from you, towards you' },
@@ -19,7 +19,7 @@ export const kHelp: readonly { keys: string; does: string }[] = [
   { keys: 'Shift + these keys', does: 'small steps: 0.2 mm instead of 1 mm' },
   { keys: 'Home', does: 'back to the start' },
   { keys: 'Delete or Backspace', does: 'take the pen away' },
-  { keys: 'Drag beside the pen, right drag or Shift + drag', does: 'turn the view' },
+  { keys: 'Drag beside the pen, or right drag', does: 'turn the view' },
   { keys: 'Scroll beside the pen or Ctrl + scroll', does: 'zoom' },
   { keys: 'Touch: two fingers', does: 'turn the view and zoom' },
   { keys: 'Middle drag or Shift + right drag', does: 'shift the view' },

@@ -21,7 +21,7 @@ function shareOf(residual: number): number {
 
 export class CoveragePanel implements Panel {
   readonly root: HTMLElement;
-  private readonly card = new Card({ id: 'coverage', title: 'Coverage', open: 'roomy' });
+  readonly card = new Card({ id: 'coverage', title: 'Coverage', open: 'roomy' });
   private readonly map = new CoverageMap();
   private readonly drawing = new Drawing('coverage-map');
   private readonly scale = new Drawing('coverage-scale');

@@ -14,7 +14,7 @@ type Material = SceneMessage['materials'][number];
 
 export class FeelPanel implements Panel {
   readonly root: HTMLElement;
-  private readonly card = new Card({ id: 'feel', title: 'Feel' });
+  readonly card = new Card({ id: 'feel', title: 'Feel' });
   private readonly select = make('select', { id: 'material', 'data-testid': 'material' });
   private readonly touched = make('p', { class: 'muted' });
   private readonly fields = make('fieldset', { class: 'fields', 'aria-label': 'Values of the material' });

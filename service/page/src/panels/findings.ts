@@ -29,7 +29,10 @@ const kTickAdvice: [RegExp, string][] = [
   [/command/i, 'Close what keeps the processor busy, and allow real-time scheduling: docs/howto/realtime.md.'],
 ];
 const kTickSilent = /track|device/i;
+const kLateShare = 0.01; // of the ticks: fewer are not felt
+const kSimulatedFix = 'This base is a simulation: nothing has to be done.';
 const kNotArmed = /^not armed$/i;
+const kOfLateHost = /^(not armed|commands are stale|host silent)$/i; // of a simulated base: the host was late, which has its own line
 
 export function findings(state: PageState, watched: Watched): Finding[] {
   const status = statusOf(state);
@@ -38,7 +41,7 @@ export function findings(state: PageState, watched: Watched): Finding[] {
     ...ofScene(state),
     ...(status === null ? [] : ofStop(status, state)),
     ...ofDevice(state, status, watched.deviceFaults),
-    ...ofTickFaults(state, watched.tickFaults),
+    ...ofTickFaults(state, status, watched.tickFaults),
     ...(status === null ? [] : [...ofRoom(status), ...ofCalibration(status), ...ofTiming(status, watched)]),
     ...(status === null ? [] : ofService(status)),
     ...ofPage(state),
@@ -48,6 +51,9 @@ export function findings(state: PageState, watched: Watched): Finding[] {
 function ofConnection(state: PageState): Finding[] {
   if (state.link.kind === 'lost') {
     return [{ key: 'link', severity: 'error', what: 'No connection to omni.', fix: state.link.text }];
+  }
+  if (state.link.kind === 'refused' || state.link.kind === 'old') {
+    return [{ key: 'link', severity: 'error', what: 'This page is not connected.', fix: state.link.text }];
   }
   if (state.link.kind === 'open' && state.status?.connected === false) {
     return [{ key: 'omnid', severity: 'error', what: 'omnid is not there.', fix: state.status.why }];
@@ -84,9 +90,12 @@ function ofDevice(state: PageState, status: Status | null, bits: number): Findin
   for (const fault of state.hello.device_faults) {
     if (((bits >>> fault.bit) & 1) === 0 && !named.delete(fault.name.toLowerCase())) continue;
     named.delete(fault.name.toLowerCase());
+    const simulated = status?.SIMULATION !== undefined;
+    if (simulated && kOfLateHost.test(fault.name)) continue;
     const armed = !kNotArmed.test(fault.name); // else only the state of a base that has just started
     const what = `Base: ${fault.name}${fault.text === '' ? '' : ` (${fault.text})`}.`;
-    found.push({ key: `device.${fault.bit}`, severity: armed ? 'error' : 'hint', what, fix: fault.remedy });
+    const fix = simulated ? kSimulatedFix : fault.remedy;
+    found.push({ key: `device.${fault.bit}`, severity: armed && !simulated ? 'error' : 'hint', what, fix });
   }
   for (const name of named) found.push({ key: `device.${name}`, severity: 'error', what: `Base: ${name}.`, fix: '' });
   if (device?.waits_for_person === true) {
@@ -96,14 +105,16 @@ function ofDevice(state: PageState, status: Status | null, bits: number): Findin
   return found;
 }
 
-function ofTickFaults(state: PageState, bits: number): Finding[] {
+function ofTickFaults(state: PageState, status: Status | null, bits: number): Finding[] {
   return state.hello.faults
     .filter((fault) => ((bits >>> fault.bit) & 1) === 1 && !kTickSilent.test(fault.name))
     .map((fault) => ({
       key: `tick.${fault.bit}`,
-      severity: 'warning' as const,
+      severity: status?.SIMULATION !== undefined ? ('hint' as const) : ('warning' as const),
       what: `In the last ticks, ${fault.name}.`,
-      fix: kTickAdvice.find(([pattern]) => pattern.test(fault.name))?.[1] ?? '',
+      fix: status?.SIMULATION !== undefined
+        ? kSimulatedFix
+        : (kTickAdvice.find(([pattern]) => pattern.test(fault.name))?.[1] ?? ''),
     }));
 }
 
@@ -135,7 +146,8 @@ function ofTiming(status: Status, watched: Watched): Finding[] {
   const found: Finding[] = [];
   const tick = status.tick;
   if (tick === undefined) return found;
-  if (watched.late > 0) {
+  const starved = watched.late > kLateShare * watched.ticks;
+  if (starved) {
     const what = `${watched.late} of the last ${watched.ticks} ticks were late.`;
     const fix = tick.realtime ? 'Close what keeps the processor busy.' : 'Allow real-time scheduling (see below).';
     found.push({ key: 'late', severity: 'warning', what, fix });
@@ -143,7 +155,7 @@ function ofTiming(status: Status, watched: Watched): Finding[] {
   if (!tick.realtime) {
     const what = `Ticks run without real-time scheduling${tick.realtime_reason ? `: ${tick.realtime_reason}` : ''}.`;
     const fix = 'How to allow it: docs/howto/realtime.md.';
-    found.push({ key: 'realtime', severity: watched.late > 0 ? 'warning' : 'hint', what, fix });
+    found.push({ key: 'realtime', severity: starved ? 'warning' : 'hint', what, fix });
   }
   return found;
 }

@@ -3,7 +3,8 @@ import { StripBoard } from '../strips/board';
 import type { History } from '../strips/history';
 import { Banner } from './banner';
 import { CoveragePanel } from './coverage';
-import { make, setAttribute } from '../ui/dom';
+import type { Card } from '../ui/card';
+import { make, makeButton, setAttribute, setHidden } from '../ui/dom';
 import { DropTarget } from './drop';
 import { FeelPanel } from './feel';
 import { Header, connectionOf } from './header';
@@ -13,6 +14,7 @@ import { ProblemsPanel } from './problems';
 import { ReplayBar } from './replay';
 import { ScenesPanel } from './scenes';
 import { EnvironmentPanel, HandPanel, InputsPanel } from './simple';
+import { recall, remember } from '../ui/memory';
 import { Splitter } from '../ui/splitter';
 import { SetupPanel } from './setup';
 import { Stage } from './stage';
@@ -39,7 +41,10 @@ export class Page {
   private readonly drop: DropTarget;
   private readonly handPlace = make('div', { class: 'contents' });
   private readonly panels: Panel[];
+  private readonly experts: { card: Card }[];
   private hand: HandPanel | null = null;
+  private readonly measure: HTMLButtonElement;
+  private visitor: boolean | null = null; // null: not known yet
 
   constructor(
     theme: Theme,
@@ -60,6 +65,13 @@ export class Page {
     const setup = new SetupPanel(actions);
     const tick = new TickPanel(theme, () => events.window());
     const inputs = new InputsPanel();
+    this.experts = [this.feel, environment, setup, tick, this.coverage, inputs];
+    this.measure = makeButton('Measurements', () => this.setMeasuring(this.measure.ariaExpanded !== 'true', true), {
+      class: 'button measure',
+      title: 'Strips of every tick, recording and replay',
+    });
+    this.measure.dataset['testid'] = 'measure';
+    this.measure.hidden = true;
     this.panels = [now, this.problems, scenes, this.feel, environment, setup, tick, this.coverage, inputs];
     const doing = make('div', { class: 'panel-column' });
     doing.append(now.root, this.problems.root, scenes.root);
@@ -69,6 +81,7 @@ export class Page {
     const panels = make('section', { class: 'panels', 'aria-label': 'Panels' }, doing, knowing);
     const main = make('main', { class: 'layout' });
     const splitter = new Splitter(main);
+    this.stage.root.append(this.measure);
     main.append(this.stage.root, this.replay.root, panels, splitter.root, this.strips.root);
     const skip = make('a', { class: 'skip', href: '#card-now' }, 'Skip to the panels');
     skip.addEventListener('click', (event) => {
@@ -93,8 +106,25 @@ export class Page {
     this.banner.mustReload(why);
   }
 
+  // omni try begins with the picture; what measures is folded until it is asked for.
+  private setVisitor(on: boolean): void {
+    this.visitor = on;
+    setAttribute(document.body, 'data-visitor', String(on));
+    setHidden(this.measure, !on);
+    this.setMeasuring(!on || recall('measure') === 'open', false);
+    if (on) for (const panel of this.experts) panel.card.fold();
+  }
+
+  private setMeasuring(on: boolean, chosen: boolean): void {
+    if (chosen) remember('measure', on ? 'open' : 'closed');
+    this.measure.setAttribute('aria-expanded', String(on));
+    setAttribute(document.body, 'data-measure', on ? 'open' : 'closed');
+    this.strips.setShown(on);
+  }
+
   // Ten times a second.
   update(state: PageState): void {
+    if (state.hello.version !== '' && this.visitor !== state.hello.hand) this.setVisitor(state.hello.hand);
     this.header.update(state);
     this.banner.update(state);
     this.stage.update(state);

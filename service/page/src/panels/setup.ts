@@ -8,7 +8,7 @@ const kStates = { done: 'Done', open: 'To do', unknown: 'Not recorded' };
 
 export class SetupPanel implements Panel {
   readonly root: HTMLElement;
-  private readonly card = new Card({ id: 'setup', title: 'Set up a base', open: 'roomy' });
+  readonly card = new Card({ id: 'setup', title: 'Set up a base', open: 'roomy' });
   private readonly list: KeyedList<SetupStep>;
 
   constructor(private readonly actions: Actions) {

@@ -37,7 +37,7 @@ function keyList(help: { keys: string; does: string }[]): HTMLElement {
 // The shell lines that give an OpenXR application the pen.
 export class EnvironmentPanel implements Panel {
   readonly root: HTMLElement;
-  private readonly card = new Card({ id: 'environment', title: 'Use it with an application', open: 'roomy' });
+  readonly card = new Card({ id: 'environment', title: 'Use it with an application', open: 'roomy' });
   private readonly lines = make('pre', { class: 'environment', tabindex: 0, role: 'region' });
   private readonly copy: HTMLButtonElement;
 
@@ -62,7 +62,7 @@ const kInputs = ['tip force', 'select', 'secondary', 'menu', 'squeeze', 'stick x
 // The pen's nine inputs, as applications see them.
 export class InputsPanel implements Panel {
   readonly root: HTMLElement;
-  private readonly card = new Card({ id: 'inputs', title: 'Inputs', open: 'roomy' });
+  readonly card = new Card({ id: 'inputs', title: 'Inputs', open: 'roomy' });
   private readonly rows: { bar: HTMLElement; value: HTMLElement; presses: HTMLElement }[] = [];
 
   constructor() {

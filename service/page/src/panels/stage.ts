@@ -3,6 +3,7 @@ import type { View } from '../view/view';
 import { download, make, makeButton, setHidden, setText } from '../ui/dom';
 import { recall, remember } from '../ui/memory';
 import type { Actions, PageState } from './state';
+import { Hints } from './hints';
 import { replayNote } from './words';
 
 const kCameras = ['front', 'side', 'top', 'near'] as const;
@@ -14,17 +15,19 @@ export class Stage {
   readonly host = make('div', { class: 'view-host', id: 'view' });
   private readonly replay = make('strong', { class: 'badge replay', 'data-testid': 'replay-badge' }, 'REPLAY');
   private readonly note = make('p', { class: 'replay-note', role: 'status', 'data-testid': 'replay-note' });
+  private readonly hint = make('p', { class: 'hint', role: 'status', 'data-testid': 'hint' });
   private readonly text = make('p', { class: 'unseen', id: 'view-text', 'data-testid': 'view-text' });
   private readonly buttons = make('div', { class: 'cameras', role: 'group', 'aria-label': 'Camera' });
   private view: View | null = null;
   private full = false; // detail
   private described_ms = -Infinity;
+  private readonly hints = new Hints();
 
   constructor(private readonly actions: Actions) {
     const badges = make('div', { class: 'view-badges' }, this.replay, this.note);
     this.replay.hidden = true;
     this.root = make('section', { class: 'stage', 'aria-label': '3-D view', 'aria-describedby': 'view-text' });
-    this.root.append(this.host, badges, this.buttons, this.text);
+    this.root.append(this.host, badges, this.hint, this.buttons, this.text);
   }
 
   setView(view: View): void {
@@ -41,6 +44,9 @@ export class Stage {
   update(state: PageState): void {
     setHidden(this.replay, !state.replay);
     setText(this.note, replayNote(state));
+    const hint = this.hints.next(state, performance.now());
+    setText(this.hint, hint);
+    setHidden(this.hint, hint === '');
     const now_ms = performance.now();
     if (this.view === null || now_ms - this.described_ms < kDescribe_ms) return;
     this.described_ms = now_ms;

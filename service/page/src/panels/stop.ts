@@ -41,6 +41,7 @@ export class StopButton {
     this.stopped = typeof statusOf(state)?.stopped === 'string';
     this.control = state.hello.control;
     this.service = state.status?.connected !== false;
+    setAttribute(this.button, 'data-simulated', String(statusOf(state)?.SIMULATION !== undefined));
     if (this.stopped === this.asked || performance.now() - this.asked_ms > kAnswer_ms) this.asked = null;
     this.show();
   }

@@ -38,7 +38,7 @@ export function summarize(values_us: Float32Array): TickSummary {
 
 export class TickPanel implements Panel {
   readonly root: HTMLElement;
-  private readonly card = new Card({ id: 'tick', title: 'Tick', open: 'roomy' });
+  readonly card = new Card({ id: 'tick', title: 'Tick', open: 'roomy' });
   private readonly drawing = new Drawing('tick-histogram');
   private readonly rows = make('dl', { class: 'rows wide' });
   private readonly values = new Map<string, HTMLElement>();

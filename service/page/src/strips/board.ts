@@ -26,6 +26,7 @@ export class StripBoard {
   private strips: Strip[] = [];
   private open: boolean[] = [];
   private next = 0; // strip that is drawn first
+  private shown = true; // else nothing is drawn
 
   constructor(private readonly theme: Theme) {
     const options = kSpans_s.map((s) => make('option', { value: s }, `${s} s`));
@@ -54,9 +55,13 @@ export class StripBoard {
     this.showEmpty();
   }
 
+  setShown(on: boolean): void {
+    this.shown = on;
+  }
+
   // Once a frame; `to_s`: end of the window.
   draw(history: History, to_s: number): void {
-    if (!Number.isFinite(to_s)) return;
+    if (!this.shown || !Number.isFinite(to_s)) return;
     const span_s = Number(this.span.value);
     const start_ms = performance.now();
     const count = this.strips.length;
@@ -76,6 +81,7 @@ export class StripBoard {
 
   // Ten times a second: the values as text.
   update(state: PageState): void {
+    if (!this.shown) return;
     for (const strip of this.strips) strip.update(state.live, state.signals.channels);
     if (this.mode.hidden === state.replay) this.mode.hidden = !state.replay;
     if (this.empty.hidden) return;

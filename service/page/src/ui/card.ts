@@ -17,8 +17,10 @@ export class Card {
   readonly root: HTMLDetailsElement;
   readonly body: HTMLElement;
   private readonly note: HTMLElement;
+  private readonly id: string;
 
   constructor(options: CardOptions) {
+    this.id = options.id;
     this.note = make('span', { class: 'card-note' });
     this.body = make('div', { class: 'card-body' });
     const heading = make('h2', {}, options.title);
@@ -33,6 +35,11 @@ export class Card {
 
   get open(): boolean {
     return this.root.open && !this.root.hidden;
+  }
+
+  // Closed, unless the person has chosen otherwise.
+  fold(): void {
+    if (recall(`card.${this.id}`) === null) this.root.open = false;
   }
 
   // A few words beside the heading, seen while closed as well.

@@ -8,6 +8,7 @@ const kNarrow = 480; // pixels
 
 export class Caption {
   readonly element = document.createElement('div');
+  private readonly uncertainty: HTMLElement;
   private readonly samples: { dot: HTMLElement; colour: (palette: Palette) => Color }[] = [];
 
   constructor() {
@@ -28,8 +29,13 @@ export class Caption {
     style.userSelect = 'none';
     style.visibility = 'hidden';
     this.add(`force, ${1000 * kArrowPerNewton} mm per N`, (palette) => palette.force);
-    this.add(`uncertainty, ${kSigmas}σ, ×${kUncertaintyScale}`, (palette) => palette.accent);
+    this.uncertainty = this.add(`uncertainty, ${kSigmas}σ, ×${kUncertaintyScale}`, (palette) => palette.accent);
     this.add("the hand's aim", (palette) => palette.hand).hidden = true;
+  }
+
+  // For a visitor: only force and hand.
+  setVisitor(on: boolean): void {
+    this.uncertainty.hidden = on;
   }
 
   // Without a pen there is nothing to explain.

@@ -30,6 +30,7 @@ export class Drawing {
   private readonly car = new Car();
   private device: Device | null = null;
   private palette: Palette | null = null;
+  visitor = false; // is shown no uncertainty
 
   constructor(canvas: HTMLCanvasElement, private readonly parts: SceneParts) {
     this.stage = new Stage(canvas);
@@ -76,7 +77,8 @@ export class Drawing {
     else this.spring.group.visible = false;
     if (valid && tracked) {
       this.arrow.place(tip, picture.force);
-      this.uncertainty.place(tip, picture.covariance);
+      if (this.visitor) this.uncertainty.mesh.visible = false;
+      else this.uncertainty.place(tip, picture.covariance);
     } else {
       this.arrow.group.visible = false;
       this.uncertainty.mesh.visible = false;

@@ -4,6 +4,12 @@ import type { Vec3 } from '../types';
 
 export type CameraName = 'front' | 'side' | 'top' | 'near';
 
+// What the first view shows: around `centre`, `width` m wide in all.
+export interface Subject {
+  centre: Vec3;
+  width: number;
+}
+
 interface Eye {
   azimuth: number; // rad, of the eye as seen from the target; -pi/2: in front of the base
   elevation: number; // rad
@@ -12,6 +18,9 @@ interface Eye {
 }
 
 const kFieldOfView = 25; // degrees, vertical
+const kSlope = Math.tan(MathUtils.degToRad(kFieldOfView / 2));
+const kShare = 0.25; // of the picture's width, for what there is to touch ...
+const kHalfHeightLeast = 0.05; // ... but so much of pen and base is seen, m
 const kCentre = new Vector3(0, 0, 0.03); // of base, scene and pen
 const kHalfHeight = 0.15; // that fits around it ...
 const kHalfWidth = 0.112; // ... and in a narrow window
@@ -32,6 +41,8 @@ export class Orbit {
   readonly camera = new PerspectiveCamera(kFieldOfView, 1, 0.01, 5);
   private readonly now: Eye;
   private readonly goal: Eye;
+  private shown: CameraName | null = null; // null: turned or moved by hand
+  private subject: Subject | null = null;
   private following = false;
   private held = false;
 
@@ -45,7 +56,17 @@ export class Orbit {
   resize(width: number, height: number): void {
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();
+    if (this.shown === 'front' || this.shown === 'side') this.preset(this.shown, null, true);
     this.place();
+  }
+
+  // What there is to touch, for the views that show it: a quarter of the picture's width. null: nothing.
+  setSubject(subject: Subject | null): void {
+    const [a, b] = [this.subject, subject];
+    if (a?.width === b?.width && a?.centre.every((value, i) => value === b?.centre[i])) return;
+    const jump = a === null; // the first scene
+    this.subject = subject;
+    if (this.shown === 'front' || this.shown === 'side') this.preset(this.shown, null, jump);
   }
 
   // `pen`: the tip, if there is one.
@@ -57,8 +78,15 @@ export class Orbit {
     this.goal.elevation = MathUtils.degToRad(preset.elevation);
     this.goal.distance = preset.distance;
     this.following = name === 'near';
-    if (this.following) this.goal.target.set(...(pen ?? ([0, 0, 0.055] as Vec3)));
-    else this.goal.target.copy(kCentre);
+    this.shown = name;
+    if (this.following) {
+      this.goal.target.set(...(pen ?? ([0, 0, 0.055] as Vec3)));
+    } else if (this.subject !== null && name !== 'top') {
+      this.goal.target.set(...this.subject.centre);
+      this.goal.distance = Math.min(preset.distance, this.distanceTo(this.subject));
+    } else {
+      this.goal.target.copy(kCentre);
+    }
     if (jump) this.jump();
   }
 
@@ -78,6 +106,7 @@ export class Orbit {
 
   // By hand: at once.
   turn(azimuth: number, elevation: number): void {
+    this.shown = null;
     this.goal.azimuth += azimuth;
     this.goal.elevation = MathUtils.clamp(this.goal.elevation + elevation, kElevations.min, kElevations.max);
     this.now.azimuth = this.goal.azimuth;
@@ -87,12 +116,14 @@ export class Orbit {
 
   zoom(factor: number): void {
     if (!(factor > 0)) return;
+    this.shown = null;
     this.goal.distance = MathUtils.clamp(this.goal.distance / factor, kDistances.min, kDistances.max);
   }
 
   // Shifts what is seen by so many metres to the right and up.
   pan(right: number, up: number): void {
     this.following = false;
+    this.shown = null;
     const shift = new Vector3(...this.right()).multiplyScalar(-right).addScaledVector(new Vector3(...this.up()), -up);
     this.goal.target.add(shift).sub(kCentre).clampLength(0, kPanMax).add(kCentre);
     this.now.target.copy(this.goal.target);
@@ -140,7 +171,7 @@ export class Orbit {
   // Metres per pixel of a canvas of this height, at the target.
   metresPerPixel(height: number): number {
     const distance = this.camera.position.distanceTo(this.now.target);
-    return (2 * distance * Math.tan(MathUtils.degToRad(kFieldOfView / 2))) / Math.max(height, 1);
+    return (2 * distance * kSlope) / Math.max(height, 1);
   }
 
   private axis(column: number, sign: number): Vec3 {
@@ -148,11 +179,20 @@ export class Orbit {
     return [sign * e[4 * column]!, sign * e[4 * column + 1]!, sign * e[4 * column + 2]!];
   }
 
+  // Distance at which everything fits, m.
+  private fit(): number {
+    return Math.max(kHalfHeight / kSlope, kHalfWidth / (kSlope * this.camera.aspect));
+  }
+
+  private distanceTo(subject: Subject): number {
+    const halfWidth = subject.width / (2 * kShare);
+    const halfHeight = Math.max(halfWidth / this.camera.aspect, kHalfHeightLeast);
+    return Math.max(kDistances.min, halfHeight / (kSlope * this.fit()));
+  }
+
   private place(): void {
     const { azimuth, elevation, distance, target } = this.now;
-    const slope = Math.tan(MathUtils.degToRad(kFieldOfView / 2));
-    const fit = Math.max(kHalfHeight / slope, kHalfWidth / (slope * this.camera.aspect));
-    const d = fit * distance;
+    const d = this.fit() * distance;
     this.camera.position.set(
       target.x + d * Math.cos(elevation) * Math.cos(azimuth),
       target.y + d * Math.cos(elevation) * Math.sin(azimuth),

@@ -1,6 +1,6 @@
 // What there is to touch: the parts of a scene as they are loaded, and the objects that have changed since.
 import {
-  BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, MeshStandardMaterial, Raycaster, Vector3,
+  Box3, BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, MeshStandardMaterial, Raycaster, Vector3,
 } from 'three';
 import { isSurface } from '../surface';
 import type { SceneMessage, Shape, Surface } from '../types';
@@ -101,6 +101,17 @@ export class SceneParts {
   // Again for all: the base is another one.
   hideAgain(): void {
     for (const part of this.parts.values()) if (part.object < 0) part.mesh.visible = !this.hidden(part.shape);
+  }
+
+  // Around what can be touched, as it was loaded; empty: nothing can.
+  bounds(): Box3 {
+    const box = new Box3();
+    for (const { object, mesh } of this.parts.values()) {
+      if (object < 0) continue;
+      mesh.geometry.computeBoundingBox();
+      if (mesh.geometry.boundingBox !== null) box.union(mesh.geometry.boundingBox);
+    }
+    return box;
   }
 
   // Height of what lies on the vertical line through x, y; null if nothing does.

@@ -14,6 +14,8 @@ const kFill = 0.95; // light from all sides ...
 const kPlainFill = 2.2; // ... and where nothing reflects the studio
 const kSlow_ms = 45; // frames that wait longer than this ...
 const kPatience_ms = 1000; // ... for so long in all cost a step of quality
+const kRecovers = 240; // frames in time that bring it back ...
+const kTwice = 2; // ... and twice as many each time that it was lost again
 const kHidden_ms = 1000; // a longer wait: the page was not shown
 
 // Whether a processor draws instead of a graphics card.
@@ -80,6 +82,8 @@ export class Stage {
   private quality = 0; // steps down
   private full = false; // always all of the detail
   private slow_ms = 0;
+  private inTime = 0; // frames since the last slow one
+  private recovers = kRecovers;
   private readonly least: number; // steps down to begin with
 
   // Throws if there is no WebGL 2.
@@ -136,7 +140,14 @@ export class Stage {
   // pixels, then no shadows: the pen must follow the hand.
   pace(milliseconds: number): void {
     if (this.full || !(milliseconds < kHidden_ms)) return;
-    this.slow_ms = milliseconds > kSlow_ms ? this.slow_ms + milliseconds : Math.max(0, this.slow_ms - 2 * kSlow_ms);
+    const slow = milliseconds > kSlow_ms;
+    this.slow_ms = slow ? this.slow_ms + milliseconds : Math.max(0, this.slow_ms - 2 * kSlow_ms);
+    this.inTime = slow ? 0 : this.inTime + 1;
+    if (this.inTime > this.recovers && this.quality > this.least) {
+      this.inTime = 0;
+      this.recovers *= kTwice;
+      this.setQuality(this.quality - 1);
+    }
     if (this.slow_ms < kPatience_ms || this.quality >= kPixelRatios.length - 1) return;
     this.slow_ms = 0;
     this.setQuality(this.quality + 1);

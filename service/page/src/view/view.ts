@@ -1,8 +1,9 @@
 // The 3-D view: base, pen, forces, scene. Draws only when something has changed, at most once per animation frame.
-import { Plane, Raycaster, Vector2, Vector3 } from 'three';
+import { Vector2, Vector3 } from 'three';
 import type { Hello, Live, SceneMessage, Shape, Surface, Vec3 } from '../types';
 import { Caption } from './caption';
 import { describe } from './describe';
+import { depthOf, dragged, planeFor, type Pointed } from './drag';
 import { Drawing, repeatsHull } from './drawing';
 import { Orbit, type CameraName } from './orbit';
 import { kDark, kLight } from './palette';
@@ -57,6 +58,8 @@ export class View {
     this.changes = new PictureChanges();
     this.drawing?.trail.clear();
     this.drawing?.setBase(hello.base);
+    if (this.drawing !== null) this.drawing.visitor = hello.hand;
+    this.caption.setVisitor(hello.hand);
     this.drawing?.place(this.picture);
     this.parts.hideAgain();
     this.invalidate();
@@ -68,7 +71,9 @@ export class View {
   }
 
   addShape(shape: Shape): void {
-    if (this.parts.add(shape)) this.invalidate();
+    if (!this.parts.add(shape)) return;
+    this.frameScene();
+    this.invalidate();
   }
 
   setSurface(surface: Surface): void {
@@ -117,17 +122,18 @@ export class View {
     return describe(this.picture, (object) => this.parts.name(object));
   }
 
-  // The point under the pointer in the plane through `through` that is parallel to the screen; null: behind the eye.
-  dragPlane(clientX: number, clientY: number, through: Vec3): Vec3 | null {
-    const ray = new Raycaster();
-    ray.setFromCamera(this.toScreen(clientX, clientY), this.orbitCamera.camera);
-    const forward = new Vector3(...this.cameraForward());
-    const plane = new Plane().setFromNormalAndCoplanarPoint(forward, new Vector3(...through));
-    return ray.ray.intersectPlane(plane, new Vector3())?.toArray() ?? null;
+  // How far a pen at `tip` goes with the pointer. `other`: in the other plane than usual (drag.ts).
+  dragBy(fromX: number, fromY: number, toX: number, toY: number, tip: Vec3, other: boolean): Vec3 {
+    const { camera } = this.orbitCamera;
+    const perPixel = this.orbitCamera.metresPerPixel(this.canvas.clientHeight);
+    const plane = planeFor(this.orbitCamera.forward(), other);
+    return dragged(camera, this.pointed(fromX, fromY), this.pointed(toX, toY), tip, plane, perPixel);
   }
 
-  cameraForward(): Vec3 {
-    return this.orbitCamera.forward();
+  // Away from the eye, out of the plane in which the pen is usually dragged; unit.
+  depth(): Vec3 {
+    const forward = this.orbitCamera.forward();
+    return depthOf(forward, planeFor(forward, false));
   }
 
   cameraRight(): Vec3 {
@@ -211,6 +217,14 @@ export class View {
     }
   }
 
+  // For a visitor; who watches a base sees all of it.
+  private frameScene(): void {
+    if (this.hello?.hand !== true) return;
+    const box = this.parts.bounds();
+    const [centre, size] = [box.getCenter(new Vector3()), box.getSize(new Vector3())];
+    this.orbitCamera.setSubject(box.isEmpty() ? null : { centre: centre.toArray(), width: Math.max(size.x, size.y) });
+  }
+
   private invalidate(): void {
     if (this.drawing === null) {
       this.orbitCamera.jump();
@@ -250,11 +264,11 @@ export class View {
     }, { once: true });
   }
 
-  private toScreen(clientX: number, clientY: number): Vector2 {
+  private pointed(clientX: number, clientY: number): Pointed {
     const box = this.canvas.getBoundingClientRect();
     const x = (clientX - box.left) / (box.width || 1);
     const y = (clientY - box.top) / (box.height || 1);
-    return new Vector2(2 * x - 1, 1 - 2 * y);
+    return { screen: new Vector2(2 * x - 1, 1 - 2 * y), pixels: new Vector2(clientX, -clientY) };
   }
 
   private isNear(clientX: number, clientY: number, tip: Vec3, axis: Vec3, reach: number): boolean {
