@@ -83,7 +83,8 @@ void SplitAtHits(Mesh& mesh, std::uint32_t t, std::uint32_t k, const std::vector
       mesh.triangles.emplace_back();
       mesh.material.push_back(mesh.material[t]);
     }
-    (i == 0 ? mesh.triangles[t] : mesh.triangles.back()) = {from, to, old[kc]};
+    std::array<std::uint32_t, 3>& triangle = i == 0 ? mesh.triangles[t] : mesh.triangles.back();
+    triangle = {from, to, old[kc]};
     for (std::size_t set = 0; set < kMaxUvSets; ++set) {
       if (mesh.uv[set].empty()) continue;
       CornerUv uv{};
