@@ -7,6 +7,7 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 
 #include "tests/support/process/service_end.h"
@@ -98,9 +99,41 @@ TEST_F(Installed, ContainsEveryFile) {
                            "share/fish/vendor_completions.d/omni.fish",
                            "share/zsh/vendor-completions/_omni",
                            "share/doc/libomni-dev/examples/touch/main.cc",
+                           "share/doc/libomni-dev/examples/CMakeLists.txt",
+                           "share/cmake/Omni/OmniConfig.cmake",
+                           "share/pkgconfig/omni.pc",
                            "share/doc/omni/manifests/limits/99-omni-realtime.conf"}) {
     EXPECT_TRUE(fs::is_regular_file(fs::path(Prefix()) / file)) << file;
   }
+}
+
+TEST_F(Installed, ExamplesBuildAgainstInstalledHeaders) {
+  const Ran built =
+      Run("cmake -S \"$P/share/doc/libomni-dev/examples\" -B \"$P/../examples\" "
+          "-DCMAKE_PREFIX_PATH=\"$P\" && cmake --build \"$P/../examples\"");
+  ASSERT_EQ(built.status, 0) << built.text;
+  const Ran help = Run("\"$P/../examples/omni_force\" --help");
+  EXPECT_EQ(help.status, 0) << help.text;
+  const Ran flags = Run("PKG_CONFIG_PATH=\"$P/share/pkgconfig\" pkg-config --cflags omni");
+  EXPECT_EQ(flags.status, 0) << flags.text;
+  EXPECT_NE(flags.text.find("/include"), std::string::npos) << flags.text;
+}
+
+// The installed documents and the files that they name.
+TEST_F(Installed, DocumentsHaveNoDeadLinks) {
+  std::string dead;
+  const fs::path root = fs::path(Prefix()) / "share/doc/omni";
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
+    if (entry.path().extension() != ".md") continue;
+    const std::string text = TextOf(entry.path());
+    static const std::regex kLink(R"(\]\(([^)#:]+)(#[^)]*)?\))");
+    for (std::sregex_iterator at(text.begin(), text.end(), kLink), end; at != end; ++at) {
+      if (!fs::exists(entry.path().parent_path() / (*at)[1].str())) {
+        dead += fs::relative(entry.path(), root).string() + ": " + (*at)[1].str() + "\n";
+      }
+    }
+  }
+  EXPECT_EQ(dead, "");
 }
 
 TEST_F(Installed, SystemdUnitStartsInstalledOmnidWithUsbBase) {

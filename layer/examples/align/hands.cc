@@ -1,4 +1,4 @@
-#include "layer/examples/align/hands.h"
+#include "align/hands.h"
 
 #include <cstdio>
 

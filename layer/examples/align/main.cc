@@ -23,8 +23,8 @@
 #include <string>
 #include <vector>
 
-#include "layer/examples/align/hands.h"
-#include "layer/examples/session/session.h"
+#include "align/hands.h"
+#include "session/session.h"
 
 namespace {
 

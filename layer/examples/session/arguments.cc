@@ -1,4 +1,4 @@
-#include "layer/examples/session/arguments.h"
+#include "session/arguments.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "layer/examples/session/session.h"
+#include "session/session.h"
 
 #include <time.h>
 

@@ -6,7 +6,7 @@
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 
-#include "layer/examples/session/session.h"
+#include "session/session.h"
 
 namespace example {
 

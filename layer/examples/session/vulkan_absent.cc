@@ -1,5 +1,5 @@
 // Built without Vulkan: a session needs XR_MND_headless.
-#include "layer/examples/session/session.h"
+#include "session/session.h"
 
 namespace example {
 

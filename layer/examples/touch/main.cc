@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "layer/examples/session/arguments.h"
-#include "layer/examples/session/session.h"
+#include "session/arguments.h"
+#include "session/session.h"
 
 namespace {
 
