@@ -417,6 +417,7 @@ std::string Service::StatusJson() {
   input.room = room_;
   if (!calibration_.problem.empty()) input.problems.push_back("calibration: " + calibration_.problem);
   if (!misfit_.empty()) input.problems.push_back("calibration: " + misfit_);
+  if (!starved_.empty()) input.problems.push_back("host: " + starved_);
   for (const RoomFinding& finding : room_) input.problems.push_back("room: " + RoomText(finding));
   input.loop = loop_;
   input.transport = transport_;

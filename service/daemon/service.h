@@ -64,6 +64,8 @@ class Service : public ipc::ServerHandler {
   // Any thread: message that a magnet is near, but no pose explains the sensors' readings; empty: this is not the case.
   // Until the next SetCalibration.
   void SetMisfit(std::string misfit);
+  // Any thread: that this computer does not keep up with the base; empty: it does. Until the next SetCalibration.
+  void SetStarved(std::string starved);
   // Any thread: what is wrong with sensors or the room. Until the next SetCalibration.
   void SetRoom(std::vector<RoomFinding> findings);
   // Any thread: what forces the device that is attached, or about to be, can make. Detach resets it.
@@ -139,7 +141,7 @@ class Service : public ipc::ServerHandler {
   loop::TickThread* loop_ = nullptr;
   const device::Transport* transport_ = nullptr;
   config::CalibrationChoice calibration_;
-  std::string misfit_;
+  std::string misfit_, starved_;
   std::vector<RoomFinding> room_;
   protocol::ForceProperties force_properties_;
   std::string device_absent_why_ = "not opened yet";

@@ -56,12 +56,18 @@ void Service::SetCalibration(config::CalibrationChoice choice) {
   const std::lock_guard lock(loop_mutex_);
   calibration_ = std::move(choice);
   misfit_.clear();
+  starved_.clear();
   room_.clear();
 }
 
 void Service::SetMisfit(std::string misfit) {
   const std::lock_guard lock(loop_mutex_);
   misfit_ = std::move(misfit);
+}
+
+void Service::SetStarved(std::string starved) {
+  const std::lock_guard lock(loop_mutex_);
+  starved_ = std::move(starved);
 }
 
 void Service::SetRoom(std::vector<RoomFinding> findings) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <ctime>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "service/daemon/clients/force_properties.h"
 #include "service/daemon/devices/fault_log.h"
 #include "service/daemon/devices/fit_watch.h"
+#include "service/daemon/devices/host_watch.h"
 #include "service/daemon/devices/recorder.h"
 #include "service/daemon/devices/room_watch.h"
 #include "service/daemon/devices/transport_tick_source.h"
@@ -73,6 +75,7 @@ struct DeviceKeeper::Session {
   std::unique_ptr<Recorder> recorder;
   FaultLog faults;
   FitWatch fit;
+  HostWatch host;
   bool misfit_reported = false;
   bool recording_failed = false;  // and logged
 };
@@ -181,6 +184,26 @@ void DeviceKeeper::WatchFit() {
   }
 }
 
+void DeviceKeeper::WatchHost() {
+  const loop::TickStatistics& ticks = session_->loop.statistics();
+  HostWatch& host = session_->host;
+  const std::uint64_t superseded = session_->opened.transport->counters().superseded;
+  if (!host.Update(ticks.ticks.load(), ticks.late.load(), superseded, base::MonotonicNow_ns())) return;
+  char share[16];
+  std::snprintf(share, sizeof share, "%.1f %%", 100 * host.share());
+  const std::string text = !host.starved() ? ""
+                                           : std::string(share) +
+                                                 " of the ticks are late or missed: this computer does not keep up "
+                                                 "with the base; close what keeps its processor busy, and allow "
+                                                 "real-time scheduling (docs/howto/realtime.md)";
+  service_.SetStarved(text);
+  if (host.starved()) {
+    spdlog::warn("host: {}", text);
+  } else {
+    spdlog::info("host: keeps up again");
+  }
+}
+
 // The state first: the base sends the part of a fault before a state that shows it.
 void DeviceKeeper::LogFaults() {
   device::Transport& transport = *session_->opened.transport;
@@ -217,6 +240,7 @@ bool DeviceKeeper::Watch() {
   if (session_ != nullptr) LogFaults();
   if (session_ != nullptr) WatchRoom();
   if (session_ != nullptr) WatchFit();
+  if (session_ != nullptr) WatchHost();
   if (session_ != nullptr && session_->loop.finished()) {
     if (session_->loop.end_status() == loop::WaitStatus::kEnd) {
       Close("the recording is over");

@@ -37,6 +37,7 @@ class DeviceKeeper {
   void WatchRoom();
   void SetRoom();
   void WatchFit();
+  void WatchHost();
   void Record(const RunOptions& options, OpenedDevice& opened);
   void WatchRecording();
   void LogFaults();

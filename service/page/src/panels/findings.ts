@@ -160,10 +160,10 @@ function ofTiming(status: Status, watched: Watched): Finding[] {
   return found;
 }
 
-// omnid's own list has room and calibration once more, as text.
+// omnid's own list has room, calibration and host once more, as text.
 function ofService(status: Status): Finding[] {
   return (status.problems ?? [])
-    .filter((text) => !/^(room|calibration): /.test(text))
+    .filter((text) => !/^(room|calibration|host): /.test(text))
     .map((text) => ({ key: `problem.${text}`, severity: 'warning' as const, what: sentence(text), fix: '' }));
 }
 
