@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "service/base/clock.h"
+#include "service/daemon/line_limit.h"
 #include "service/tools/common/service_link.h"
 #include "tests/support/process/service_end.h"
 #include "tests/support/process/service_process.h"
@@ -78,8 +80,20 @@ TEST(ProcessLog, ReportsDroppedLinesOnceReadAgain) {
   EXPECT_EQ(log.service.Stop(), 0);
 }
 
-// Bytes of log that so many toggles cost.
-double BytesFor(int toggles) {
+std::size_t LinesWith(const std::string& text, const std::string& words) {
+  std::size_t lines = 0;
+  for (std::size_t at = 0; (at = text.find(words, at)) != std::string::npos; at += words.size()) ++lines;
+  return lines;
+}
+
+struct ToggleLog {
+  std::size_t lines;
+  double seconds;
+};
+
+// What so many toggles cost.
+ToggleLog LogOf(int toggles) {
+  const std::int64_t begin_ns = base::MonotonicNow_ns();
   ServiceProcess service;
   service.Start({}, service.Path("log"));
   {
@@ -95,13 +109,16 @@ double BytesFor(int toggles) {
   if (toggles > 1000) {
     EXPECT_NE(text.find("more of these in the last"), std::string::npos) << text.substr(0, 4000);
   }
-  return static_cast<double>(text.size());
+  return {LinesWith(text, "no scene for application"), 1e-9 * static_cast<double>(base::MonotonicNow_ns() - begin_ns)};
 }
 
 TEST(ProcessLog, RepeatedSessionChangesAreRateLimited) {
-  const double few = BytesFor(200);
-  const double many = BytesFor(10'000);
-  EXPECT_LT(many, 2 * few);
+  for (const int toggles : {200, 10'000}) {
+    const ToggleLog log = LogOf(toggles);
+    const double most =
+        daemon::LineLimit::kBurst + 2 + log.seconds / (1e-9 * static_cast<double>(daemon::LineLimit::kPeriod_ns));
+    EXPECT_LE(static_cast<double>(log.lines), most) << toggles << " toggles in " << log.seconds << " s";
+  }
 }
 
 TEST(ProcessLog, ErrorsBeforeTheServiceRunsAreWritten) {
