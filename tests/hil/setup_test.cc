@@ -100,7 +100,7 @@ TEST_F(HilSetup, AHeadsetThatIsNotThereIsNamed) {
   ExpectSaid("FAILED: nothing was stored; docs/howto/align.md lists other methods");
 }
 
-// Minutes: not part of the tests (README.md).
+// Minutes: not part of the tests (docs/CONTRIBUTING.md).
 using HilSetupLong = HilSetup;
 
 TEST_F(HilSetupLong, GoesFromNothingToAForce) {

@@ -1,5 +1,5 @@
 // Applications that hang or are killed while omnid's control thread is late: what the coils do, read from the twin's
-// own recording. ProcessSafetyLong has the same runs 200 times (README.md); ctest leaves it out.
+// own recording. ProcessSafetyLong has the same runs 200 times (docs/CONTRIBUTING.md); ctest leaves it out.
 #include <gtest/gtest.h>
 #include <sys/ptrace.h>
 #include <sys/syscall.h>

@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""README's table of figures is made of rows of docs/benchmarks.md. figures_test.py --print prints it."""
+
+import re
+import sys
+import unittest
+
+sys.dont_write_bytecode = True
+from doc_files import ROOT
+
+LUMP = {"mesh": "lump", "triangles": "1002252"}
+LOCATE = {"call": "xrLocateSpace (pen)"}
+
+# What it is; the figure; for each name in it the table, the row (or rows, of which the largest counts), column and scale.
+FIGURES = [
+    ("error of the pen's position, waved in a room", "{mean:.2f} mm (p95 {p95:.2f} mm)", {
+        "mean": ("room", {"condition": "room", "force": "false"}, "mean_mm", 1),
+        "p95": ("room", {"condition": "room", "force": "false"}, "p95_mm", 1)}),
+    ("the same, pressing on a box with up to 15 A in the coils", "{mean:.2f} mm (p95 {p95:.2f} mm)", {
+        "mean": ("room", {"condition": "room", "force": "true"}, "mean_mm", 1),
+        "p95": ("room", {"condition": "room", "force": "true"}, "p95_mm", 1)}),
+    ("force on the pen against what is said to be made, p95", "{force:.1f} %", {
+        "force": ("room", {"condition": "room", "force": "true"}, "force_error_p95_pct", 1)}),
+    ("a whole tick of the service, of the 1,000 us it has", "median {median:.1f} us, p99 {p99:.1f} us", {
+        "median": ("tick", {}, "us_median", 1), "p99": ("tick", {}, "us_p99", 1)}),
+    ("nearest point of a million triangles; Embree, Bullet", "{omni:.1f} us; {embree:.1f} us, {bullet:.0f} us", {
+        "omni": ("collision", {"engine": "omni-closest", **LUMP}, "us_median", 1),
+        "embree": ("collision", {"engine": "embree-warm", **LUMP}, "us_median", 1),
+        "bullet": ("collision", {"engine": "bullet", **LUMP}, "us_median", 1)}),
+    ("xrLocateSpace of the pen; of a controller without the layer", "{layer:.1f} us; {bare:.1f} us", {
+        "layer": ("layer", {"method": "layer", "horizon_ms": "11", **LOCATE}, "ns_median", 1e-3),
+        "bare": ("layer", {"method": "no layer", "horizon_ms": "11", **LOCATE}, "ns_median", 1e-3)}),
+    ("from a sample of the sensors to the application's pose", "{ms:.1f} ms", {
+        "ms": ("layer/latency", {}, "ms_p50", 1)}),
+    ("read of a scene of 102 MB that has no haptic tag", "{kB:.0f} kB", {
+        "kB": ("scene", {"scene": "textured-100MB"}, "bytes_read", 1e-3)}),
+]
+
+
+def tables():
+    """By name, rows as dictionaries of text."""
+    found = {}
+    text = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+    for name, table in re.findall(r"<!-- results: (.+?) -->\n(.*?)<!-- end -->", text, flags=re.S):
+        lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.split("\n") if line.startswith("|")]
+        if lines:
+            found[name] = [dict(zip(lines[0], line, strict=True)) for line in lines[2:]]
+    return found
+
+
+def value(rows, where, column):
+    chosen = [float(row[column]) for row in rows if all(row[key] == word for key, word in where.items())]
+    if not chosen:
+        raise AssertionError(f"no row has {where}")
+    return max(chosen)
+
+
+def figures():
+    known = tables()
+    lines = ["| simulated | |", "|---|---|"]
+    for what, figure, sources in FIGURES:
+        values = {key: scale * value(known[table], where, column) for key, (table, where, column, scale) in sources.items()}
+        lines.append(f"| {what} | {figure.format(**values)} |")
+    return "\n".join(lines) + "\n"
+
+
+class Readme(unittest.TestCase):
+    maxDiff = None
+
+    def test_figures_are_those_of_the_benchmarks(self):
+        readme = (ROOT / "README.md").read_text(encoding="utf-8")
+        shown = re.search(r"\| simulated \|.*?\n(?=\n)", readme, flags=re.S)
+        self.assertIsNotNone(shown, "README has no table of figures")
+        self.assertEqual(shown[0], figures(), "figures_test.py --print prints what belongs there")
+
+    def test_is_read_in_two_minutes(self):
+        readme = (ROOT / "README.md").read_text(encoding="utf-8")
+        seen = re.sub(r"\]\([^)]*\)", "]", readme)  # links without their targets
+        self.assertLessEqual(len([word for word in seen.split() if re.search(r"\w", word)]), 600)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["--print"]:
+        print(figures(), end="")
+    else:
+        unittest.main()
