@@ -18,7 +18,20 @@ install(CODE "
 install(FILES LICENSE README.md CHANGELOG.md SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN man EXCLUDE)
 install(DIRECTORY manifests/limits DESTINATION ${CMAKE_INSTALL_DOCDIR}/manifests)
-install(FILES CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# What of others is compiled into the programs and the layer, in the words of Debian's packages: headers, and the C++
+# library in the layer. Shared libraries bring their own.
+set(OMNI_NOTICES ${CMAKE_BINARY_DIR}/notices.txt)
+set(notices "Compiled into programs and libraries of Omni. What is bundled in the page: share/omni/page/licenses.txt.\n")
+file(GLOB boost RELATIVE /usr/share/doc /usr/share/doc/libboost1.*-dev)
+foreach(package libeigen3-dev libglm-dev nlohmann-json3-dev libcli11-dev ${boost} libopenxr-dev libspdlog-dev
+                libtomlplusplus-dev libstdc++-12-dev)
+  if(EXISTS /usr/share/doc/${package}/copyright)
+    file(READ /usr/share/doc/${package}/copyright text)
+    string(APPEND notices "\n==== ${package} ====\n\n${text}")
+  endif()
+endforeach()
+file(WRITE ${OMNI_NOTICES} "${notices}")
+install(FILES CITATION.cff ${OMNI_NOTICES} DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(CODE "
   cmake_path(ABSOLUTE_PATH CMAKE_INSTALL_PREFIX NORMALIZE OUTPUT_VARIABLE prefix)
   set(OMNI_DOCUMENTS \"\$ENV{DESTDIR}\${prefix}/${CMAKE_INSTALL_DOCDIR}\")

@@ -68,6 +68,9 @@ foreach(row omni:omni layer:openxr-layer-omni dev:libomni-dev)
   file(ARCHIVE_CREATE OUTPUT ${made}/changelog.gz PATHS ${made}/changelog FORMAT raw COMPRESSION GZip COMPRESSION_LEVEL 9)
   install(FILES ${made}/changelog.gz ${debian}/copyright DESTINATION share/doc/${OMNI_PACKAGE} COMPONENT ${component}
           EXCLUDE_FROM_ALL)
+  if(component STREQUAL layer)
+    install(FILES ${OMNI_NOTICES} DESTINATION share/doc/${OMNI_PACKAGE} COMPONENT ${component} EXCLUDE_FROM_ALL)
+  endif()
   if(EXISTS ${debian}/${component}/lintian-overrides)
     install(FILES ${debian}/${component}/lintian-overrides DESTINATION share/lintian/overrides RENAME ${OMNI_PACKAGE}
             COMPONENT ${component} EXCLUDE_FROM_ALL)

@@ -93,6 +93,8 @@ TEST_F(Installed, ContainsEveryFile) {
                            "share/omni/scenes/extrusion.hand.json",
                            "share/omni/scenes/racetrack.glb",
                            "share/doc/omni/LICENSE",
+                           "share/doc/omni/CITATION.cff",
+                           "share/doc/omni/notices.txt",
                            "share/doc/omni/README.md",
                            "share/doc/omni/docs/howto/install.md",
                            "share/bash-completion/completions/omni",
