@@ -44,6 +44,7 @@ base::Result<std::unique_ptr<SetupRun>> SetupRun::Start(bool rehearsal, bool yes
   if (rehearsal) {
     ::setenv("XDG_CONFIG_HOME", (folder + "/config").c_str(), 1);
     ::setenv("XDG_DATA_HOME", (folder + "/data").c_str(), 1);
+    ::setenv("HOME", (folder + "/home").c_str(), 1);
     ::setenv("XDG_STATE_HOME", (folder + "/state").c_str(), 1);
     ::setenv("OMNI_SOCKET", (folder + "/omnid.sock").c_str(), 1);
   }

@@ -64,7 +64,8 @@ class ServiceProcess {
                                    "--twin-script",
                                    hand_path(),
                                    "--twin-record",
-                                   truth_path()};
+                                   truth_path(),
+                                   "--replace"};  // of a service that ran before
     words.insert(words.end(), more.begin(), more.end());
     StartProgram(words, log_path);
   }
