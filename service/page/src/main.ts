@@ -163,6 +163,7 @@ class App {
   private takeScene(scene: SceneMessage): void {
     if (scene.number !== this.state.scene?.number) {
       this.dents.clear();
+      if (this.state.scene !== null) this.hand.taken();
       if (!this.state.replay) this.state.dent_m = NaN;
     }
     this.state.scene = scene;

@@ -85,11 +85,16 @@ export class Hand {
     this.sent = this.aim;
   }
 
-  lift(): void {
-    if (!this.enabled) return;
+  // The server has taken the pen away: another scene comes.
+  taken(): void {
     this.gestures.cancel();
     this.keys.clear();
     this.aim = this.wanted = this.sent = null;
+  }
+
+  lift(): void {
+    if (!this.enabled) return;
+    this.taken();
     this.spoke_ms = performance.now();
     this.send({ type: 'lift' });
     this.announce('The pen is taken away.');
