@@ -117,7 +117,7 @@ TEST(ProcessSetup, NothingOutlivesAKilledSetup) {
     for (const fs::directory_entry& process : fs::directory_iterator("/proc")) {
       std::ifstream in(process.path() / "environ");
       const std::string environment(std::istreambuf_iterator<char>(in), {});
-      if (environment.find("HOME=" + person.Path("home")) != std::string::npos) ++count;
+      if (environment.find("XDG_RUNTIME_DIR=" + person.Path("")) != std::string::npos) ++count;
     }
     return count;
   };
