@@ -1,4 +1,4 @@
-// node naive.mjs [TIMES]: somebody who knows nothing of Omni opens omni try, presses on the picture, drags straight down
+// node naive.mjs [TIMES]: a visitor who knows nothing of Omni opens omni try, presses on the picture, drags straight down
 // and waits; on clay he then drags up again. Judged by the twin's own record of the truth. Ten times each: fifteen
 // minutes. Figures are simulated.
 import { readFileSync, rmSync } from 'node:fs';
@@ -39,7 +39,7 @@ async function visit(visitor, scene, view, down_px) {
   await visitor.until('scene-state', (text) => text.includes(scene) && /ready/.test(text), `${scene} is ready`, 120);
   if (view !== 'default') await page.getByRole('button', { name: view, exact: true }).click();
   await visitor.canvas.focus();
-  await page.keyboard.press('Delete'); // nobody was here before
+  await page.keyboard.press('Delete'); // as if no one had been here before
   await visitor.until('tracked', (text) => /No pen/.test(text), 'the pen is taken away');
   await page.waitForTimeout(300);
   await visitor.press();

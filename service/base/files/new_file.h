@@ -1,5 +1,5 @@
 // Files that are written as a recording goes on: never over an existing one, and never through a link, so that a name
-// typed twice, or a link planted where a recording is expected, costs nobody a file.
+// typed twice, or a link planted where a recording is expected, costs no file.
 #pragma once
 
 #include <string>
