@@ -98,8 +98,11 @@ class Counter : public Events {
 
 // Runs `events` over the text; empty, or what is wrong.
 template <class Handler>
-std::string Run(std::string_view text, Handler& events) {
-  if (Parser::sax_parse(text.begin(), text.end(), &events)) return {};
+std::string Run(std::string_view text, const JsonLimits& limits, Handler& events) {
+  constexpr bool kWhole = true;  // nothing behind the value
+  if (Parser::sax_parse(text.begin(), text.end(), &events, Parser::input_format_t::json, kWhole, limits.comments)) {
+    return {};
+  }
   return events.problem();
 }
 
@@ -107,7 +110,7 @@ std::string CountText(std::string_view text, const JsonLimits& limits, Counter& 
   if (text.size() > limits.bytes || text.size() > std::numeric_limits<std::uint32_t>::max()) {
     return "has " + std::to_string(text.size()) + " bytes of JSON, the limit is " + std::to_string(limits.bytes);
   }
-  return Run(text, counter);
+  return Run(text, limits, counter);
 }
 
 // Stores the values in the blocks sized by the counter.
@@ -227,7 +230,7 @@ Result<JsonDocument> JsonDocument::Parse(std::string_view text, const JsonLimits
   document.members_.resize(counter.members());
   document.text_.resize(counter.text_bytes());
   Builder builder(counter.sizes(), document.elements_.data(), document.members_.data(), document.text_.data());
-  if (std::string problem = Run(text, builder); !problem.empty()) return Error{std::move(problem)};
+  if (std::string problem = Run(text, limits, builder); !problem.empty()) return Error{std::move(problem)};
   return document;
 }
 

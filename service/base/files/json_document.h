@@ -22,6 +22,7 @@ struct JsonLimits {
   std::size_t values = 20'000;  // objects, arrays, texts, numbers, true, false and null
   std::size_t members = 1'000;  // of one object
   std::size_t depth = 64;       // nesting of objects and arrays
+  bool comments = false;        // allowed, as in C
 };
 
 struct JsonMember;

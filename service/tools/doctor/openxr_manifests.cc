@@ -42,40 +42,21 @@ bool IsDecimal(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// The loader reads manifests with JsonCpp, which allows comments. Spaces take their place.
-std::string WithoutComments(std::string text) {
-  bool in_string = false;
-  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
-    if (in_string) {
-      if (text[i] == '\\')
-        ++i;
-      else if (text[i] == '"')
-        in_string = false;
-    } else if (text[i] == '"') {
-      in_string = true;
-    } else if (text[i] == '/' && (text[i + 1] == '/' || text[i + 1] == '*')) {
-      const bool line = text[i + 1] == '/';
-      const std::size_t found = text.find(line ? "\n" : "*/", i + 2);
-      const std::size_t end = found == std::string::npos ? text.size() : found + (line ? 0 : 2);
-      for (; i < end; ++i) text[i] = text[i] == '\n' ? '\n' : ' ';
-      --i;
-    }
-  }
-  return text;
-}
-
+// The loader reads manifests with JsonCpp, which allows comments.
 json ParseFile(const fs::path& file, std::string& problem) {
-  const base::Result<std::string> read = base::ReadFile(file.string(), kManifestJson.bytes);
-  if (!read.ok() || read->empty()) {
+  constexpr bool kThrow = true;
+  base::JsonLimits limits = kManifestJson;
+  limits.comments = true;
+  const base::Result<std::string> text = base::ReadFile(file.string(), limits.bytes);
+  if (!text.ok() || text->empty()) {
     problem = "cannot be read, is empty or is larger than 1 MiB";
     return {};
   }
-  const std::string text = WithoutComments(*read);
-  if (const base::Status checked = base::CheckJson(text, kManifestJson); !checked.ok()) {
+  if (const base::Status checked = base::CheckJson(*text, limits); !checked.ok()) {
     problem = "is not a JSON object: " + checked.error();
     return {};
   }
-  json document = json::parse(text);
+  json document = json::parse(*text, nullptr, kThrow, limits.comments);
   if (!document.is_object()) problem = "is not a JSON object";
   return document;
 }

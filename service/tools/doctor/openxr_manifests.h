@@ -31,11 +31,11 @@ std::vector<LayerManifest> FindLayerManifests(const Surroundings& surroundings);
 
 LayerManifest ReadLayerManifest(const std::filesystem::path& file, bool implicit);
 
-// Recognised by the layer's name, or a broken manifest by its file name.
 // OpenXR loaders of 32-bit applications. They read the same manifests, cannot load our library, and give up
 // (XR_ERROR_FILE_ACCESS_ERROR; seen with 1.0.20 and 1.1.47).
 std::vector<std::filesystem::path> LoadersOf32Bit(const Surroundings& surroundings);
 
+// Recognised by the layer's name, or a broken manifest by its file name.
 bool IsOurs(const LayerManifest& manifest);
 
 // The names in XR_ENABLE_API_LAYERS, in order.
