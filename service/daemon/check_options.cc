@@ -1,12 +1,5 @@
 #include "service/daemon/check_options.h"
 
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <system_error>
-
 #include "service/base/files/new_file.h"
 #include "service/config/files/alignment_file.h"
 #include "service/config/files/calibration_file.h"
@@ -18,8 +11,6 @@
 
 namespace omni::daemon {
 namespace {
-
-namespace fs = std::filesystem;
 
 template <class T>
 std::string ErrorOf(const base::Result<T>& result) {

@@ -28,6 +28,15 @@ namespace {
 
 constexpr int kReopenPolls = 10;  // one second between attempts to open a device
 
+// `share`: of the ticks, late or missed.
+std::string StarvedText(double share) {
+  char percent[16];
+  std::snprintf(percent, sizeof percent, "%.1f %%", 100 * share);
+  return std::string(percent) +
+         " of the ticks are late or missed: this computer does not keep up with the base; close what keeps its "
+         "processor busy, and allow real-time scheduling (docs/howto/realtime.md)";
+}
+
 // `path`: of the calibration in use; empty: none, and `never` was there one. `share`: of the time, without an
 // explanation.
 std::string MisfitText(const std::string& path, bool never, double share) {
@@ -189,19 +198,14 @@ void DeviceKeeper::WatchHost() {
   HostWatch& host = session_->host;
   const std::uint64_t superseded = session_->opened.transport->counters().superseded;
   if (!host.Update(ticks.ticks.load(), ticks.late.load(), superseded, base::MonotonicNow_ns())) return;
-  char share[16];
-  std::snprintf(share, sizeof share, "%.1f %%", 100 * host.share());
-  const std::string text = !host.starved() ? ""
-                                           : std::string(share) +
-                                                 " of the ticks are late or missed: this computer does not keep up "
-                                                 "with the base; close what keeps its processor busy, and allow "
-                                                 "real-time scheduling (docs/howto/realtime.md)";
-  service_.SetStarved(text);
-  if (host.starved()) {
-    spdlog::warn("host: {}", text);
-  } else {
+  if (!host.starved()) {
+    service_.SetStarved("");
     spdlog::info("host: keeps up again");
+    return;
   }
+  const std::string text = StarvedText(host.share());
+  service_.SetStarved(text);
+  spdlog::warn("host: {}", text);
 }
 
 // The state first: the base sends the part of a fault before a state that shows it.

@@ -4,48 +4,27 @@
 
 #include <cstdint>
 
+#include "service/daemon/devices/span_verdict.h"
+
 namespace omni::daemon {
 
 // Turns counts of loop::FitStatistics into a verdict, second by second. Seconds without a pen leave the verdict as it
 // is.
 class FitWatch {
  public:
-  static constexpr std::int64_t kSpan_ns = 1'000'000'000;
-  static constexpr std::uint64_t kTicksMin = 20;  // in a span; without a client there are about 62
-  static constexpr int kSpans = 3;                // of one kind in a row, for a verdict
-  static constexpr double kMisfitAbove = 0.1;     // share of a span's ticks without an explanation
-  static constexpr double kFitsBelow = 0.02;      // a calibration that fits has almost none
+  // Without a client there are about 62 ticks in a span. A calibration that fits leaves almost none unexplained.
+  static constexpr SpanRule kRule{
+      .span_ns = 1'000'000'000, .least = 20, .spans = 3, .bad_above = 0.1, .good_below = 0.02};
 
   // Call now and then. True: the verdict has changed.
   bool Update(std::uint64_t explained, std::uint64_t contradicted, std::int64_t now_ns) noexcept {
-    if (begin_ns_ == 0) Begin(explained, contradicted, now_ns);
-    if (now_ns - begin_ns_ < kSpan_ns) return false;
-    const std::uint64_t with = explained - explained_, without = contradicted - contradicted_;
-    Begin(explained, contradicted, now_ns);
-    if (with + without < kTicksMin) return false;
-    share_ = static_cast<double>(without) / static_cast<double>(with + without);
-    const bool other = misfit_ ? share_ < kFitsBelow : share_ > kMisfitAbove;
-    spans_ = other ? spans_ + 1 : 0;
-    if (spans_ < kSpans) return false;
-    misfit_ = !misfit_;
-    spans_ = 0;
-    return true;
+    return verdict_.Update(explained + contradicted, contradicted, now_ns);
   }
-  bool misfit() const noexcept { return misfit_; }
-  double share() const noexcept { return share_; }  // without an explanation, of the last span that counted
+  bool misfit() const noexcept { return verdict_.bad(); }
+  double share() const noexcept { return verdict_.share(); }  // without an explanation, of the last span that counted
 
  private:
-  void Begin(std::uint64_t explained, std::uint64_t contradicted, std::int64_t now_ns) noexcept {
-    explained_ = explained;
-    contradicted_ = contradicted;
-    begin_ns_ = now_ns;
-  }
-
-  std::uint64_t explained_ = 0, contradicted_ = 0;  // at the span's begin
-  std::int64_t begin_ns_ = 0;
-  bool misfit_ = false;
-  int spans_ = 0;  // that speak against it, in a row
-  double share_ = 0;
+  SpanVerdict verdict_{kRule};
 };
 
 }  // namespace omni::daemon
