@@ -11,7 +11,7 @@ namespace omni::base {
 
 inline constexpr std::size_t kRealtimeThreadsMax = 8;
 
-// While it lives, the calling thread has this name (at most 15 characters) and is in the list.
+// While it lives, the calling thread has this name (a literal of at most 15 characters) and is in the list.
 class RealtimeThread {
  public:
   explicit RealtimeThread(const char* name) noexcept;

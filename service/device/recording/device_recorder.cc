@@ -31,15 +31,14 @@ int WriteAll(int fd, const std::uint8_t* bytes, std::size_t size) noexcept {
 }  // namespace
 
 base::Result<std::unique_ptr<DeviceRecorder>> DeviceRecorder::Open(const std::string& path, const RecordingInfo& info) {
-  const auto refused = [&](int error) {
-    return base::Error{path + ": the recording cannot be written: " + std::strerror(error) +
-                       ": choose a folder that exists, is writable and has room"};
-  };
   base::Result<base::UniqueFd> file = base::MakeNewFile(path);
   if (!file.ok()) return base::Error{file.error()};
   std::array<std::uint8_t, kRecordingHeaderSize> header;
   EncodeHeader(info, header.data());
-  if (const int error = WriteAll(file->get(), header.data(), header.size()); error != 0) return refused(error);
+  if (const int error = WriteAll(file->get(), header.data(), header.size()); error != 0) {
+    return base::Error{path + ": the recording cannot be written: " + std::strerror(error) +
+                       ": choose a folder that exists, is writable and has room"};
+  }
   return std::unique_ptr<DeviceRecorder>(new DeviceRecorder(std::move(*file), path));
 }
 

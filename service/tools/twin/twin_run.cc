@@ -2,7 +2,6 @@
 // twin records its truth, which is compared after the run. omni twin path: a hand script for any scene.
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <memory>
