@@ -7,7 +7,7 @@ import { join } from 'node:path';
 import { build, chromiumPath, fromTests, load } from './setup.mjs';
 import { steer } from './track.mjs';
 
-const kViewHeight = 334; // pixels, of which one is .8 mm for the front camera
+const kViewHeight = 334; // pixels
 const kStick_m = 0.013; // from the middle to full deflection, nearly
 
 // A program that prints "open ADDRESS". `cache`: a folder that may be shared, for soft bodies that take long to compute.
@@ -137,7 +137,7 @@ export class Visitor {
     await this.until('tracked', (text) => /is tracked/.test(text), 'the pen is there');
   }
 
-  // Straight down, by .8 mm a step.
+  // Straight down; a step is a pixel of a view of kViewHeight.
   async lower(steps) {
     const { height } = await this.canvas.boundingBox();
     await this.drag(0, (steps * height) / kViewHeight, 1);

@@ -1,6 +1,6 @@
 // Everything that is not as it should be, and what to do about it: from status, faults and the page's own watch.
 import { plural } from '../ui/format';
-import { statusOf } from './state';
+import { isSimulated, statusOf } from './state';
 import type { PageState } from './state';
 import type { Status } from '../types';
 
@@ -86,11 +86,11 @@ function ofDevice(state: PageState, status: Status | null, bits: number): Findin
     found.push({ key: 'no-base', severity: 'error', what: 'There is no base.', fix: device.absent ?? '' });
     return found;
   }
+  const simulated = isSimulated(status);
   const named = new Set((device?.faults ?? []).map((name) => name.toLowerCase()));
   for (const fault of state.hello.device_faults) {
     if (((bits >>> fault.bit) & 1) === 0 && !named.delete(fault.name.toLowerCase())) continue;
     named.delete(fault.name.toLowerCase());
-    const simulated = status?.SIMULATION !== undefined;
     if (simulated && kOfLateHost.test(fault.name)) continue;
     const armed = !kNotArmed.test(fault.name); // else only the state of a base that has just started
     const what = `Base: ${fault.name}${fault.text === '' ? '' : ` (${fault.text})`}.`;
@@ -106,15 +106,14 @@ function ofDevice(state: PageState, status: Status | null, bits: number): Findin
 }
 
 function ofTickFaults(state: PageState, status: Status | null, bits: number): Finding[] {
+  const simulated = isSimulated(status);
   return state.hello.faults
     .filter((fault) => ((bits >>> fault.bit) & 1) === 1 && !kTickSilent.test(fault.name))
     .map((fault) => ({
       key: `tick.${fault.bit}`,
-      severity: status?.SIMULATION !== undefined ? ('hint' as const) : ('warning' as const),
+      severity: simulated ? ('hint' as const) : ('warning' as const),
       what: `In the last ticks, ${fault.name}.`,
-      fix: status?.SIMULATION !== undefined
-        ? kSimulatedFix
-        : (kTickAdvice.find(([pattern]) => pattern.test(fault.name))?.[1] ?? ''),
+      fix: simulated ? kSimulatedFix : (kTickAdvice.find(([pattern]) => pattern.test(fault.name))?.[1] ?? ''),
     }));
 }
 

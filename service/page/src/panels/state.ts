@@ -36,6 +36,11 @@ export function statusOf(state: PageState): Status | null {
   return state.status?.connected === true ? state.status.status : null;
 }
 
+// Whether the base is simulated, as far as is known.
+export function isSimulated(status: Status | null): boolean {
+  return status?.SIMULATION !== undefined;
+}
+
 // May this page change something now?
 export function canControl(state: PageState): boolean {
   return state.hello.control && state.link.kind === 'open';

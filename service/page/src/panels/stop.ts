@@ -1,7 +1,7 @@
 // The emergency stop: always there, also on a page that may only watch. F9 does the same: a key that types nothing,
 // scrolls nothing and is on every keyboard.
 import { make, setAttribute, setText } from '../ui/dom';
-import { statusOf } from './state';
+import { isSimulated, statusOf } from './state';
 import type { Actions, PageState } from './state';
 
 export const kStopKey = 'F9';
@@ -41,7 +41,7 @@ export class StopButton {
     this.stopped = typeof statusOf(state)?.stopped === 'string';
     this.control = state.hello.control;
     this.service = state.status?.connected !== false;
-    setAttribute(this.button, 'data-simulated', String(statusOf(state)?.SIMULATION !== undefined));
+    setAttribute(this.button, 'data-simulated', String(isSimulated(statusOf(state))));
     if (this.stopped === this.asked || performance.now() - this.asked_ms > kAnswer_ms) this.asked = null;
     this.show();
   }

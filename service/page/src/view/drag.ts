@@ -29,14 +29,13 @@ export interface Pointed {
 export function dragged(
   camera: PerspectiveCamera, from: Pointed, to: Pointed, tip: Vec3, plane: DragPlane, perPixel: number,
 ): Vec3 {
-  const e = camera.matrixWorld.elements;
-  const column = (i: number, sign: number) => new Vector3(e[4 * i]!, e[4 * i + 1]!, e[4 * i + 2]!).multiplyScalar(sign);
-  const forward = column(2, -1);
+  const axis = (i: number) => new Vector3().setFromMatrixColumn(camera.matrixWorld, i); // right, up, towards the eye
+  const forward = axis(2).negate();
   const normal = new Vector3(...depthOf(forward.toArray(), plane));
   if (Math.abs(forward.dot(normal)) < kGrazing) {
     const by = to.pixels.clone().sub(from.pixels).multiplyScalar(perPixel);
-    const up = plane === 'upright' ? new Vector3(0, 0, 1) : column(1, 1).setZ(0).normalize();
-    return column(0, 1).multiplyScalar(by.x).addScaledVector(up, by.y).toArray();
+    const up = plane === 'upright' ? new Vector3(0, 0, 1) : axis(1).setZ(0).normalize();
+    return axis(0).multiplyScalar(by.x).addScaledVector(up, by.y).toArray();
   }
   const through = new Plane().setFromNormalAndCoplanarPoint(normal, new Vector3(...tip));
   const at = (point: Pointed) => {

@@ -56,7 +56,7 @@ export class Orbit {
   resize(width: number, height: number): void {
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();
-    if (this.shown === 'front' || this.shown === 'side') this.preset(this.shown, null, true);
+    this.frame(true);
     this.place();
   }
 
@@ -66,7 +66,7 @@ export class Orbit {
     if (a?.width === b?.width && a?.centre.every((value, i) => value === b?.centre[i])) return;
     const jump = a === null; // the first scene
     this.subject = subject;
-    if (this.shown === 'front' || this.shown === 'side') this.preset(this.shown, null, jump);
+    this.frame(jump);
   }
 
   // `pen`: the tip, if there is one.
@@ -177,6 +177,11 @@ export class Orbit {
   private axis(column: number, sign: number): Vec3 {
     const e = this.camera.matrixWorld.elements;
     return [sign * e[4 * column]!, sign * e[4 * column + 1]!, sign * e[4 * column + 2]!];
+  }
+
+  // Again, in a view that shows the subject.
+  private frame(jump: boolean): void {
+    if (this.shown === 'front' || this.shown === 'side') this.preset(this.shown, null, jump);
   }
 
   // Distance at which everything fits, m.

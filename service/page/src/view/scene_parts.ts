@@ -108,8 +108,8 @@ export class SceneParts {
     const box = new Box3();
     for (const { object, mesh } of this.parts.values()) {
       if (object < 0) continue;
-      mesh.geometry.computeBoundingBox();
-      if (mesh.geometry.boundingBox !== null) box.union(mesh.geometry.boundingBox);
+      if (mesh.geometry.boundingBox === null) mesh.geometry.computeBoundingBox(); // once: vertices stay as loaded
+      box.union(mesh.geometry.boundingBox!);
     }
     return box;
   }
