@@ -157,6 +157,13 @@ function assertSame(actual, expected) {
   }
 }
 
+// How many times as long one thing takes as another, each by its fastest; in turn, since a busy machine slows both.
+function timesAsLong(one, other, warm, times) {
+  for (let n = 0; n < warm; ++n) other();
+  const each = Array.from({ length: times }, () => [one(), other()]);
+  return Math.min(...each.map(([a]) => a)) / Math.min(...each.map(([, b]) => b));
+}
+
 function assertSameRange(actual, expected) {
   assert.equal(actual.count, expected.count);
   assertSame(actual.times_s, expected.times_s);
@@ -1069,41 +1076,45 @@ test('surfaces of foreign sizes: a million messages stay within the memory, and 
     const few = i % 40 === 0 ? 3 : integer(r, vertices);
     return [coordinates(r, vertices), corners(r, few, i % 17 === 0 ? 2 * vertices : vertices)];
   });
-  const recorder = new Recorder(makeHello(kChannels.slice(0, 1)), { surface_bytes: limit });
-  const { surfaces } = recorder;
-  const before = used();
-  let t_s = 0;
-  let most = 0;
-  let scene = 0;
-  const part = () => {
-    const start_ms = performance.now();
-    for (let n = 0; n < 10000; ++n) {
-      const what = r();
-      if (what < 0.001) surfaces.setScene({ number: ++scene, name: 'x'.repeat(integer(r, 50)) });
-      const [positions, triangles] = pool[integer(r, pool.length)];
-      const object = what < 0.9 ? integer(r, 6) : integer(r, 2 ** 32);
-      surfaces.add(makeSurface(scene, object, {
-        translation: [what, 0, 0],
-        positions: what < 0.3 ? null : positions,
-        triangles: what > 0.6 ? triangles : null,
-      }));
-      if (n % 4 === 0) {
-        t_s += 1 / 60;
-        recorder.add(makeLive(kQuietState, [t_s], 1, () => n));
+  const play = () => { // a recorder, and 10,000 more messages for it: how long they took
+    const recorder = new Recorder(makeHello(kChannels.slice(0, 1)), { surface_bytes: limit });
+    const { surfaces } = recorder;
+    let t_s = 0;
+    let scene = 0;
+    const part = () => {
+      const start_ms = performance.now();
+      for (let n = 0; n < 10000; ++n) {
+        const what = r();
+        if (what < 0.001) surfaces.setScene({ number: ++scene, name: 'x'.repeat(integer(r, 50)) });
+        const [positions, triangles] = pool[integer(r, pool.length)];
+        const object = what < 0.9 ? integer(r, 6) : integer(r, 2 ** 32);
+        surfaces.add(makeSurface(scene, object, {
+          translation: [what, 0, 0],
+          positions: what < 0.3 ? null : positions,
+          triangles: what > 0.6 ? triangles : null,
+        }));
+        if (n % 4 === 0) {
+          t_s += 1 / 60;
+          recorder.add(makeLive(kQuietState, [t_s], 1, () => n));
+        }
+        most = Math.max(most, surfaces.bytes);
+        assert.ok(surfaces.bytes <= limit);
       }
-      most = Math.max(most, surfaces.bytes);
-      assert.ok(surfaces.bytes <= limit);
-    }
-    return performance.now() - start_ms;
+      return performance.now() - start_ms;
+    };
+    return { recorder, part, until: () => t_s };
   };
-  const times_ms = Array.from({ length: 100 }, part);
+  const before = used();
+  let most = 0;
+  const { recorder, part, until } = play();
+  const { surfaces } = recorder;
+  for (let n = 0; n < 100; ++n) part();
   assert.ok(most / limit > 0.9, 'the memory is used');
-  assert.ok(surfaces.from_s > 0 && surfaces.from_s < t_s);
+  assert.ok(surfaces.from_s > 0 && surfaces.from_s < until());
   const samples = recorder.bytes;
   const pooled = pool.reduce((sum, [a, b]) => sum + a.byteLength + b.byteLength, 0);
   assert.ok(used() - before < limit + samples + pooled + 2e6, 'bytes counts everything');
-  const fastest = (list) => Math.min(...list);
-  const ratio = fastest(times_ms.slice(-20)) / fastest(times_ms.slice(5, 25));
+  const ratio = timesAsLong(part, play().part, 5, 10);
   assert.ok(ratio < 1.5, `a message at the end took ${ratio.toFixed(2)} times as long`);
   // It is shown as before: what is too old as it was when it was still kept.
   const then = surfaces.at(0);
@@ -1113,40 +1124,41 @@ test('surfaces of foreign sizes: a million messages stay within the memory, and 
 
 test('a message costs as much after hours as at the beginning, and so does looking back', () => {
   const r = random(37);
-  const recorder = new Recorder(makeHello(kChannels.slice(0, 1)), { surface_bytes: 64e6 });
-  recorder.surfaces.setScene({ number: 1, name: 'clay.glb' });
   const triangles = corners(r, 2000, 1000);
-  let positions = coordinates(r, 1000);
-  let m = 0;
-  const part = (count) => {
-    const start_ms = performance.now();
-    for (let n = 0; n < count; ++n, ++m) {
-      positions = positions.slice();
-      for (let i = 0; i < 90; ++i) positions[(7 * m + i) % 3000] += 1e-3;
-      recorder.surfaces.add(makeSurface(1, 0, { positions, triangles: m === 0 ? triangles : null }));
-      recorder.add(makeLive(kQuietState, [m / 10], 1, () => m));
-    }
-    return performance.now() - start_ms;
+  const play = () => {
+    const recorder = new Recorder(makeHello(kChannels.slice(0, 1)), { surface_bytes: 64e6 });
+    recorder.surfaces.setScene({ number: 1, name: 'clay.glb' });
+    let positions = coordinates(r, 1000);
+    let m = 0;
+    const part = () => {
+      const start_ms = performance.now();
+      for (let n = 0; n < 200; ++n, ++m) {
+        positions = positions.slice();
+        for (let i = 0; i < 90; ++i) positions[(7 * m + i) % 3000] += 1e-3;
+        recorder.surfaces.add(makeSurface(1, 0, { positions, triangles: m === 0 ? triangles : null }));
+        recorder.add(makeLive(kQuietState, [m / 10], 1, () => m));
+      }
+      return performance.now() - start_ms;
+    };
+    const look = () => {
+      const { begin_s, end_s } = recorder;
+      const start_ms = performance.now();
+      for (let n = 0; n < 200; ++n) recorder.surfaces.at(begin_s + r() * (end_s - begin_s));
+      return performance.now() - start_ms;
+    };
+    return { recorder, part, look };
   };
-  const look = () => {
-    const { begin_s, end_s } = recorder;
-    const start_ms = performance.now();
-    for (let n = 0; n < 200; ++n) recorder.surfaces.at(begin_s + r() * (end_s - begin_s));
-    return performance.now() - start_ms;
-  };
-  part(300);
-  look();
-  const first = [];
-  const last = [];
-  for (let n = 0; n < 5; ++n) first.push({ add: part(200), look: look() });
-  for (let n = 0; n < 20; ++n) part(250); // ten minutes are kept: more is dropped
-  for (let n = 0; n < 5; ++n) last.push({ add: part(200), look: look() });
-  for (const what of ['add', 'look']) {
-    const ratio = Math.min(...last.map((each) => each[what])) / Math.min(...first.map((each) => each[what]));
+  const old = play();
+  for (let n = 0; n < 30; ++n) old.part(); // ten minutes are kept: more is dropped
+  const young = play();
+  young.part();
+  for (const what of ['look', 'part']) {
+    const ratio = timesAsLong(old[what], young[what], 1, 5);
     assert.ok(ratio < 2, `${what}: ${ratio.toFixed(2)} times as long`);
   }
-  assert.equal(recorder.surfaces.from_s, -Infinity); // they reach as far back as the samples
-  assert.equal(recorder.surfaces.at(recorder.begin_s).surfaces.length, 1);
+  const { surfaces, begin_s } = old.recorder;
+  assert.equal(surfaces.from_s, -Infinity); // they reach as far back as the samples
+  assert.equal(surfaces.at(begin_s).surfaces.length, 1);
 });
 
 test('surfaces that do not fit leave their mark: what was before is shown as it was later', () => {
