@@ -35,7 +35,7 @@ struct ContactState {
   base::Vec3 last_force_N;    // of the last tick, in that frame
   base::Vec3 swapped_from_N;  // force before the proxy was moved to another place ...
   double swap_left_s = 0;     // ... which fades out over this time
-  bool popped = false;        // pop-through: no force until the tip is outside again
+  bool popped = false;        // popped through, or appeared around the tip: no force until the tip is outside
   bool in_flight = false;     // a ball that nothing holds is on its way to the tip: no force until it meets something
   double through_s = 0;       // how long the tip has been out on the far side
 
@@ -172,6 +172,8 @@ struct LiveMaterial {
 // All that changes. Fixed size, trivially copyable, deterministic: equal inputs give equal bits.
 struct State {
   bool was_tracked = false;
+  bool appears =
+      false;          // the scene comes to a pen that is there: what the tip is in acts once the tip was outside of it
   double away_s = 0;  // time without a pose
   base::Vec3 last_device_point_base_m;
   std::array<ContactState, kMaxContacts> contacts;

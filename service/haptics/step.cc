@@ -350,6 +350,7 @@ void StepClean(const Config& config, const Scene& scene, const Input& input, Sta
   if (!input.tracked) return;
   if (state.ramp < 1) state.ramp = config.ramp_s > 0 ? std::min(1.0, state.ramp + input.dt_s / config.ramp_s) : 1;
   state.was_tracked = true;
+  state.appears = false;
   state.last_device_point_base_m = tip;
 }
 

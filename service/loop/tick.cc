@@ -203,7 +203,10 @@ base::Vec3 FollowInputs(const TickConfig& config, const Commands& commands, cons
 }  // namespace
 
 void EnterScene(const haptics::Scene& scene, std::uint64_t generation, LoopState& state) noexcept {
+  const auto& contacts = state.haptics.contacts;
+  const bool touching = std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.IsFelt(); });
   haptics::Enter(scene, state.haptics);
+  state.haptics.appears = !touching;  // else an application has changed the scene that is being touched
   state.scene_generation = generation;
   state.scene_motion = {};
 }

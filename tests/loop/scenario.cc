@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "service/base/limits.h"
 #include "service/haptics/scene.h"
@@ -194,6 +195,31 @@ TEST(LoopScenario, SceneSwapRampsThroughZero) {
   EXPECT_TRUE(asked);
   EXPECT_TRUE(through_zero);
   EXPECT_GT(scenario.force_N(), 0.05);  // the second table is rendered
+}
+
+// A pen that is held where a scene puts a body is not pushed out of it, once the pen has been outside it is.
+TEST(LoopScenario, BodyThatAppearsAroundTheTipActsOnceTheTipWasOutside) {
+  constexpr double kIn_m = kTableTop_m - 0.004, kOut_m = kTableTop_m + 0.01;
+  sim::HandScript script = PressAndSlide();
+  script.waypoints.clear();
+  for (const auto& [duration_s, z_m] :
+       {std::pair{0.5, kOut_m}, {0.5, kIn_m}, {1.0, kIn_m}, {0.3, kOut_m}, {0.3, kOut_m}, {0.3, kIn_m}, {1.0, kIn_m}}) {
+    script.waypoints.push_back({.duration_s = duration_s, .tip_base_m = {0, 0, z_m}});
+  }
+  const haptics::Scene nothing, table = TableScene(kTableTop_m);
+  Scenario scenario(script, 3.9);
+  while (scenario.state.tick < 1500 && scenario.Step(nothing)) {
+  }
+  loop::EnterScene(table, 1, scenario.state);
+  bool was_out = false;
+  double inside_N = 0, again_N = 0;
+  while (scenario.Step(table)) {
+    was_out = was_out || scenario.output.tool.device_point_base_m.z > kTableTop_m + 0.002;
+    (was_out ? again_N : inside_N) = std::max(was_out ? again_N : inside_N, scenario.force_N());
+  }
+  EXPECT_EQ(inside_N, 0);
+  EXPECT_TRUE(was_out);
+  EXPECT_GT(again_N, 0.1);
 }
 
 TEST(LoopScenario, AbsentPenGetsNoForceAndIsTrackedAgain) {

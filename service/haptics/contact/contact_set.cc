@@ -235,7 +235,9 @@ void StartContacts(const ContactScene& contact_scene, State& state) noexcept {
       ContactState contact;
       contact.active = true;
       contact.object = i;
-      if (AcquireInside(view, target, target.tip, {}, contact)) Keep(contact, state);
+      if (!AcquireInside(view, target, target.tip, {}, contact)) return;
+      contact.popped = state.appears;
+      Keep(contact, state);
     });
   }
 }

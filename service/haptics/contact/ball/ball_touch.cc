@@ -162,7 +162,9 @@ void StartBalls(const ContactScene& contact_scene, State& state) noexcept {
     if (target.boxed && BoxDistance(target.object, target.tip) > radius_m) continue;
     contact_scene.On(i, [&](const auto& view) noexcept {
       ContactState contact = NewContact(i);
-      if (RestartBall(view, target, radius_m, target.tip, contact)) KeepBall(contact, state);
+      if (!RestartBall(view, target, radius_m, target.tip, contact)) return;
+      contact.popped = state.appears;
+      KeepBall(contact, state);
     });
   }
 }
