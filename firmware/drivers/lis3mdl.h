@@ -15,9 +15,8 @@
 namespace omni::drivers {
 
 struct Lis3mdlSample {
-  std::int16_t field[3] = {};    // counts: 1711 a gauss (5.84e-8 T each), full scale 27376
-  std::int16_t temperature = 0;  // 0.01 C
-  bool overrun = false;          // an older sample was lost unread
+  std::int16_t field[3] = {};  // counts: 1711 a gauss (5.84e-8 T each), full scale 27376
+  bool overrun = false;        // an older sample was lost unread
 };
 
 template <class Bus>
@@ -37,10 +36,20 @@ class Lis3mdl {
     return Count(status);
   }
 
-  // The newest sample. kNoNewSample fills it too, with the previous sample if there was one. Ten bytes on the bus.
+  // Whether Read would find a new sample: kOk, or kNoNewSample. Two bytes on the bus. An undriven line reads as either.
+  ChipStatus Look() noexcept {
+    if (!started_) return ChipStatus::kNotStarted;
+    std::uint8_t value = 0;
+    const ChipStatus status = ReadRegisters(lis3mdl::kStatus, &value, 1);
+    if (status != ChipStatus::kOk) return Count(status);
+    return (value & lis3mdl::kStatusNew) != 0 ? ChipStatus::kOk : ChipStatus::kNoNewSample;
+  }
+
+  // The newest sample. kNoNewSample fills it too, with the previous sample if there was one. Eight bytes on the bus.
+  // Not the temperature: behind OUT_Z_H a burst goes on at OUT_X_L [5.1.1: the registers of the output wrap around].
   ChipStatus Read(Lis3mdlSample& sample) noexcept {
     if (!started_) return ChipStatus::kNotStarted;
-    std::uint8_t bytes[9] = {};  // STATUS, OUT_X..OUT_Z, TEMP_OUT
+    std::uint8_t bytes[7] = {};  // STATUS, OUT_X..OUT_Z
     ChipStatus status = ReadRegisters(lis3mdl::kStatus, bytes, sizeof bytes);
     if (status == ChipStatus::kOk && AllEqual(bytes, sizeof bytes)) {
       // The chip also reads as zeros before its first sample.
@@ -49,8 +58,6 @@ class Lis3mdl {
     }
     if (status != ChipStatus::kOk) return Count(status);
     for (int axis = 0; axis < 3; ++axis) sample.field[axis] = Word(bytes + 1 + 2 * axis);
-    // 8 counts a kelvin, 0 at 25 C [2.2]; in 0.01 C that is 12.5 a count.
-    sample.temperature = Clip(2500 + Word(bytes + 7) * 25 / 2);
     sample.overrun = (bytes[0] & lis3mdl::kStatusOverrun) != 0;
     const bool fresh = (bytes[0] & lis3mdl::kStatusNew) != 0;
     sampled_ = sampled_ || fresh;
@@ -96,7 +103,7 @@ class Lis3mdl {
 
  private:
   static constexpr std::size_t kRegisters = sizeof lis3mdl::kConfiguration;
-  static constexpr std::size_t kTransferMax = 10;
+  static constexpr std::size_t kTransferMax = 8;
 
   ChipStatus CheckIdentity() noexcept {
     std::uint8_t identity = 0;
@@ -171,10 +178,6 @@ class Lis3mdl {
 
   static std::int16_t Word(const std::uint8_t* low_then_high) noexcept {
     return static_cast<std::int16_t>(low_then_high[0] | (low_then_high[1] << 8));
-  }
-
-  static std::int16_t Clip(int value) noexcept {
-    return static_cast<std::int16_t>(value > 32767 ? 32767 : value < -32768 ? -32768 : value);
   }
 
   ChipStatus Count(ChipStatus status) noexcept {

@@ -18,13 +18,11 @@ constexpr std::uint8_t kCtrl3 = 0x22;
 constexpr std::uint8_t kCtrl4 = 0x23;
 constexpr std::uint8_t kCtrl5 = 0x24;
 constexpr std::uint8_t kStatus = 0x27;
-constexpr std::uint8_t kOutX = 0x28;     // six bytes, low byte first
-constexpr std::uint8_t kTempOut = 0x2E;  // two bytes
+constexpr std::uint8_t kOutX = 0x28;  // six bytes, low byte first; a burst goes from the last to the first of them
 
 constexpr std::uint8_t kIdentity = 0x3D;  // WHO_AM_I
 
-// CTRL_REG1: temperature on, OM = 00 low power, FAST_ODR: in low power 1000 Hz.
-constexpr std::uint8_t kCtrl1TempEnable = 0x80;
+// CTRL_REG1: OM = 00 low power, FAST_ODR: in low power 1000 Hz.
 constexpr std::uint8_t kCtrl1FastOdr = 0x02;
 constexpr std::uint8_t kCtrl1SelfTest = 0x01;
 // CTRL_REG2: FS = 11, +-16 gauss.
@@ -42,9 +40,9 @@ constexpr std::uint8_t kCtrl5BlockDataUpdate = 0x40;
 constexpr std::uint8_t kStatusOverrun = 0x80;  // ZYXOR: a sample was overwritten unread
 constexpr std::uint8_t kStatusNew = 0x08;      // ZYXDA
 
-constexpr std::uint8_t kConfiguration[5] = {kCtrl1TempEnable | kCtrl1FastOdr, kCtrl2FullScale16, kCtrl3Continuous,
-                                            kCtrl4LowPower, kCtrl5BlockDataUpdate};
-static_assert(kConfiguration[0] == 0x82 && kConfiguration[1] == 0x60, "1 kHz, low power, +-16 gauss");
+constexpr std::uint8_t kConfiguration[5] = {kCtrl1FastOdr, kCtrl2FullScale16, kCtrl3Continuous, kCtrl4LowPower,
+                                            kCtrl5BlockDataUpdate};
+static_assert(kConfiguration[0] == 0x02 && kConfiguration[1] == 0x60, "1 kHz, low power, +-16 gauss");
 
 // At +-16 gauss [2.1]: 1711 counts a gauss; a gauss is 1e-4 T.
 constexpr int kCountsPerGauss = 1711;

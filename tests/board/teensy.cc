@@ -27,6 +27,7 @@ class TeensyBoard : public ::testing::Test {
     SetUpClocks();
     board_ = std::make_unique<Board>(settings_);
     board_->Start();
+    begin_us_ = chip_.now_us;
   }
 
   // One control step; what the buses' interrupts do comes between the steps.
@@ -111,7 +112,8 @@ TEST_F(TeensyBoard, ReportsChipReadingsToTheCore) {
   for (int i = 0; i < 8; ++i) {
     EXPECT_NEAR(in.field[i][0], 171.1 * (i + 1), 1) << i;
     EXPECT_NEAR(in.field[i][2], 3422, 1) << i;
-    EXPECT_LT(in.field_age_us[i], 1300) << i;
+    // All eight convert at once here: a millisecond, two steps until a chip is looked at, four until the last one is read.
+    EXPECT_LT(in.field_age_us[i], 1000 + 500 + 1000) << i;
   }
   EXPECT_EQ(in.current[0], 1600);
   EXPECT_EQ(in.current[1], 0);
@@ -135,6 +137,50 @@ TEST_F(TeensyBoard, MarksEachHallSampleFreshOnce) {
     for (int i = 0; i < 8; ++i) fresh[i] += inputs_.field_fresh >> i & 1;
   }
   for (int i = 0; i < 8; ++i) EXPECT_NEAR(fresh[i], 100, 8) << "100 ms at 1 kHz, its own clock: " << i;
+}
+
+// Two thirds of a step remain for core, currents and USB.
+TEST_F(TeensyBoard, HallBusIsShortInEveryStep) {
+  Start();
+  for (int step = 0; step < 400; ++step) {
+    const double before_us = chip_.spi_us;
+    Step({});
+    EXPECT_LE(chip_.spi_us - before_us, 100) << step;
+  }
+}
+
+// Chips that are gone or frozen take no time from the others.
+TEST_F(TeensyBoard, OtherHallSamplesComeInTimeBesideDeadAndFrozenChips) {
+  chip_.hall_there[1] = chip_.hall_there[6] = false;
+  Start();
+  Steps(8, {});
+  chip_.halls[4].Freeze();
+  int fresh[8] = {};
+  for (int step = 0; step < 400; ++step) {
+    Step({});
+    for (int i = 0; i < 8; ++i) fresh[i] += inputs_.field_fresh >> i & 1;
+  }
+  for (const int i : {0, 2, 3, 5, 7}) EXPECT_NEAR(fresh[i], 100, 8) << i;
+}
+
+TEST_F(TeensyBoard, FrozenHallChipIsResetOnce) {
+  Start();
+  Steps(40, {});
+  chip_.halls[2].Freeze();
+  int fresh = 0;
+  for (int step = 0; step < 2000; ++step) {
+    Step({});
+    board_->Maintain();
+    if (step > 1200) fresh += inputs_.field_fresh >> 2 & 1;
+  }
+  EXPECT_NEAR(fresh, 200, 10) << "it converts again after its reset";
+  // One that stays frozen is left alone after that: resets would take the bus from the others.
+  chip_.halls[2].set_frozen_for_good();
+  for (int step = 0; step < 4000; ++step) {
+    Step({});
+    board_->Maintain();
+  }
+  EXPECT_EQ(chip_.halls[2].resets(), 3) << "at the start, and once for each time it froze";
 }
 
 TEST_F(TeensyBoard, DrivesAfterWakingAndBrakesBeforeSleep) {

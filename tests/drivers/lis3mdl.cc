@@ -20,7 +20,7 @@ struct Lis3mdlTest : testing::Test {
 
 TEST_F(Lis3mdlTest, StartsAtAKilohertzAndSixteenGauss) {
   ASSERT_EQ(driver.Start(), ChipStatus::kOk);
-  EXPECT_EQ(chip.reg(0x20), 0x82);
+  EXPECT_EQ(chip.reg(0x20), 0x02);
   EXPECT_EQ(chip.reg(0x21), 0x60);
   EXPECT_EQ(chip.reg(0x22), 0x00);
   EXPECT_EQ(chip.reg(0x23), 0x00);
@@ -30,21 +30,44 @@ TEST_F(Lis3mdlTest, StartsAtAKilohertzAndSixteenGauss) {
   EXPECT_NEAR(static_cast<double>(chip.samples() - before), 1000, 1);
 }
 
-TEST_F(Lis3mdlTest, ReadsFieldAndTemperatureInOneTransfer) {
+TEST_F(Lis3mdlTest, ReadsAllAxesInOneTransfer) {
   chip.set_field_G({1, -15.5, 0.25});
-  chip.set_temperature_C(41.5);
   ASSERT_EQ(driver.Start(), ChipStatus::kOk);
   chip.Wait(1000);
   const long transfers = bus.transfers;
   const long bytes = bus.bytes;
   ASSERT_EQ(driver.Read(sample), ChipStatus::kOk);
   EXPECT_EQ(bus.transfers - transfers, 1);
-  EXPECT_EQ(bus.bytes - bytes, 10);
+  EXPECT_EQ(bus.bytes - bytes, 8);
   EXPECT_EQ(sample.field[0], 1711);
   EXPECT_EQ(sample.field[1], -26521);
   EXPECT_EQ(sample.field[2], 428);
-  EXPECT_EQ(sample.temperature, 4150);
   EXPECT_FALSE(sample.overrun);
+}
+
+// ST's chip goes on at OUT_X_L behind OUT_Z_H: what lies behind is not in the same burst.
+TEST_F(Lis3mdlTest, BurstBehindTheOutputBeginsAgainAtItsFirstByte) {
+  chip.set_field_G({1, 2, 3});
+  ASSERT_EQ(driver.Start(), ChipStatus::kOk);
+  chip.Wait(1000);
+  std::uint8_t out[9] = {0x80 | 0x40 | 0x28}, in[9] = {};
+  bus.Transfer(out, in, sizeof out);
+  EXPECT_EQ(in[7], in[1]);
+  EXPECT_EQ(in[8], in[2]);
+}
+
+TEST_F(Lis3mdlTest, LookSaysWhetherThereIsANewSample) {
+  chip.set_field_G({1, 1, 1});
+  EXPECT_EQ(driver.Look(), ChipStatus::kNotStarted);
+  ASSERT_EQ(driver.Start(), ChipStatus::kOk);
+  EXPECT_EQ(driver.Look(), ChipStatus::kNoNewSample);
+  chip.Wait(1000);
+  const long bytes = bus.bytes;
+  EXPECT_EQ(driver.Look(), ChipStatus::kOk);
+  EXPECT_EQ(driver.Look(), ChipStatus::kOk) << "looking takes nothing away";
+  EXPECT_EQ(bus.bytes - bytes, 4);
+  ASSERT_EQ(driver.Read(sample), ChipStatus::kOk);
+  EXPECT_EQ(driver.Look(), ChipStatus::kNoNewSample);
 }
 
 TEST_F(Lis3mdlTest, DistinguishesNewOldAndLostSamples) {
@@ -59,7 +82,7 @@ TEST_F(Lis3mdlTest, DistinguishesNewOldAndLostSamples) {
   EXPECT_TRUE(sample.overrun);
 }
 
-// Polled a thousand times a second, a chip that is 2 % slow is fresh 98 times of 100, one that is 2 % fast overruns.
+// Polled a thousand times a second, a chip that is 2 % slow is not always fresh, one that is 2 % fast overruns.
 TEST_F(Lis3mdlTest, ChipClockErrorShowsAsStaleOrOverrunSamples) {
   for (const double rate : {0.98, 1.02}) {
     chip.set_clock_rate(rate);
@@ -68,16 +91,16 @@ TEST_F(Lis3mdlTest, ChipClockErrorShowsAsStaleOrOverrunSamples) {
     int fresh = 0;
     int overruns = 0;
     for (int i = 0; i < 1000; ++i) {
-      chip.Wait(1000 - 10);
+      chip.Wait(1000 - 8 * Lis3mdlModel::kByte_us);
       const ChipStatus status = driver.Read(sample);
       ASSERT_TRUE(status == ChipStatus::kOk || status == ChipStatus::kNoNewSample);
       fresh += status == ChipStatus::kOk;
       overruns += status == ChipStatus::kOk && sample.overrun;
     }
-    EXPECT_NEAR(fresh, rate < 1 ? 980 : 1000, 2);
-    // A sample that arrives while the previous one is read may count as an overrun.
+    // A sample that arrives while the previous one is read may be reported again, and count as an overrun.
+    EXPECT_GE(fresh, rate < 1 ? 978 : 998);
     EXPECT_GE(overruns, rate < 1 ? 0 : 18);
-    EXPECT_LE(overruns, rate < 1 ? 0 : 42);
+    EXPECT_LE(overruns, rate < 1 ? 22 : 42);
   }
 }
 
@@ -170,7 +193,7 @@ TEST_F(Lis3mdlTest, VerifyRestoresSelfTestModeAfterBrownOut) {
   ASSERT_EQ(driver.SetSelfTest(true), ChipStatus::kOk);
   chip.PowerCycle();
   EXPECT_EQ(driver.Verify(), ChipStatus::kChanged);
-  EXPECT_EQ(chip.reg(0x20), 0x83);
+  EXPECT_EQ(chip.reg(0x20), 0x03);
 }
 
 TEST_F(Lis3mdlTest, DetectsRegistersThatIgnoreWrites) {
@@ -197,7 +220,7 @@ TEST_F(Lis3mdlTest, SelfTestAnswerIsCheckedPerAxis) {
     driver.Read(sample);
     for (int i = 0; i < 3; ++i) with[i] = sample.field[i];
     EXPECT_EQ(driver.SetSelfTest(false), ChipStatus::kOk);
-    EXPECT_EQ(chip.reg(0x20), 0x82);
+    EXPECT_EQ(chip.reg(0x20), 0x02);
     return Lis3mdl<FaultySpi>::SelfTestAnswerIsRight(without, with);
   };
   chip.set_field_G({0.3, -0.4, 5});

@@ -113,7 +113,8 @@ void TeensyChip::RunSpi() {
   } else if (hall_there[hall]) {
     halls[hall].Exchange(spi_out_.data(), in.data(), in.size());
   }
-  const auto time_us = static_cast<double>(in.size());  // at 8.25 MHz
+  const double time_us = Lis3mdlModel::kByte_us * static_cast<double>(in.size());
+  spi_us += time_us;
   now_us += time_us;
   for (int i = 0; i < 8; ++i) {
     if (i != hall || !hall_there[i]) halls[i].Wait(time_us);

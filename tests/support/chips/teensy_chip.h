@@ -54,6 +54,7 @@ class TeensyChip : public RegisterModel {
 
   // Violations of the manual: a job without the master code before it, more than four words in the queue, a transfer
   // with no or a wrong chip selected.
+  double spi_us = 0;  // in which bytes were on the bus
   long i2c_without_master_code = 0, i2c_overfilled = 0, spi_unselected = 0;
 
  private:

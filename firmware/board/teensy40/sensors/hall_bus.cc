@@ -15,7 +15,7 @@ constexpr std::uint32_t kReceiveEmpty = 1U << 1;                           // RS
 constexpr std::size_t kFifoWords = 16;
 constexpr std::uint32_t kDelayTicks = 1;
 
-// A byte takes 1 us; twice that keeps the bound on the interrupt's length.
+// A byte takes 4 us; the bound for all keeps the bound on the interrupt's length.
 constexpr std::uint32_t kPolls = 4000;
 
 // 74HC138: 20 ns at 3.3 V from address or enable to output [Nexperia 74HC138, dynamic characteristics: 60 ns at 2 V];
