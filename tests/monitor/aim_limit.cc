@@ -21,7 +21,7 @@ struct Press {
   double deepest_m = 0, force_N = 0;
   double led_m = 0.02;  // far end of the hand's spring: follows the aim
   AimLimit limit{{.hand_stiffness_N_m = kHand_N_m, .force_max_N = 2}};
-  protocol::HandAim aim;
+  protocol::HandAim asked, aim;
 
   void Hold(double seconds, bool limited) {
     for (int k = 0; k < static_cast<int>(seconds / kTick_s); ++k) {
@@ -41,12 +41,13 @@ struct Press {
     tool.flags = protocol::kToolPoseValid | protocol::kToolTracked;
     if (asked_N > base_N) tool.flags |= protocol::kToolSaturated;
     tool.force_base_N[2] = force_N;
+    tool.position_base_m[2] = z_m;
     protocol::ContactSnapshot contacts;
     contacts.count = asked_N > 0 ? 1 : 0;
     contacts.contacts[0].normal_base = {0, 0, 1};
     contacts.contacts[0].penetration_m = std::max(0.0, -z_m);
     limit.Feel(tool, contacts, kTicksPerFeel * kTick_s);
-    aim = limit.Limited(aim);
+    aim = limit.Limited(asked);
   }
 };
 
@@ -55,7 +56,7 @@ TEST(AimLimit, HandIsNotPushedThroughAndFeelsWhatTheBaseCanMake) {
     for (const double wall_N_m : {300.0, 600.0, 1200.0}) {
       SCOPED_TRACE(testing::Message() << base_N << " N, " << wall_N_m << " N/m");
       Press press{.wall_N_m = wall_N_m, .base_N = base_N};
-      press.aim.tip_base_m[2] = -0.05;
+      press.asked.tip_base_m[2] = press.aim.tip_base_m[2] = -0.05;
       press.Hold(3, true);
       EXPECT_LT(press.deepest_m, base_N / wall_N_m + 6e-3);
       EXPECT_GT(press.force_N, 0.65 * base_N);
@@ -70,17 +71,29 @@ TEST(AimLimit, HandIsNotPushedThroughAndFeelsWhatTheBaseCanMake) {
 
 TEST(AimLimit, WithoutItTheHandIsPushedThrough) {
   Press press;
-  press.aim.tip_base_m[2] = -0.05;
+  press.asked.tip_base_m[2] = press.aim.tip_base_m[2] = -0.05;
   press.Hold(3, false);
   EXPECT_GT(press.deepest_m, 0.03);
 }
 
+// A soft body asks for less than the base can make, however deep the pen is in it.
+TEST(AimLimit, SoftBodyIsNotPushedThrough) {
+  for (const double wall_N_m : {60.0, 90.0, 150.0}) {
+    SCOPED_TRACE(testing::Message() << wall_N_m << " N/m");
+    Press press{.wall_N_m = wall_N_m, .base_N = 2};
+    press.asked.tip_base_m[2] = press.aim.tip_base_m[2] = -0.05;
+    press.Hold(3, true);
+    EXPECT_LT(press.deepest_m, 0.009);
+    EXPECT_GT(press.force_N, 0.005 * wall_N_m);
+  }
+}
+
 TEST(AimLimit, HandThatTheBaseCanHoldIsFree) {
   Press press;
-  press.aim.tip_base_m[2] = -0.004;  // 0.48 N
+  press.asked.tip_base_m[2] = press.aim.tip_base_m[2] = -0.004;  // 0.48 N
   press.Hold(2, true);
   EXPECT_EQ(press.aim.tip_base_m[2], -0.004);
-  press.aim.tip_base_m[2] = 0.03;
+  press.asked.tip_base_m[2] = 0.03;
   press.Hold(1, true);
   EXPECT_EQ(press.aim.tip_base_m[2], 0.03);
   EXPECT_FALSE(std::isfinite(press.limit.beyond_m()));
@@ -88,9 +101,9 @@ TEST(AimLimit, HandThatTheBaseCanHoldIsFree) {
 
 TEST(AimLimit, AxisAndPresenceStay) {
   Press press;
-  press.aim.present = 0;
-  press.aim.axis_base = {0, 1, 0};
-  press.aim.tip_base_m[2] = -0.05;
+  press.asked.present = 0;
+  press.asked.axis_base = {0, 1, 0};
+  press.asked.tip_base_m[2] = press.aim.tip_base_m[2] = -0.05;
   press.Hold(1, true);
   EXPECT_EQ(press.aim.present, 0U);
   EXPECT_EQ(press.aim.axis_base, (std::array<double, 3>{0, 1, 0}));

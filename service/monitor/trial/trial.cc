@@ -129,21 +129,22 @@ void Trial::HandleUpdates() {
 }
 
 bool Trial::Aim(const protocol::HandAim& aim) {
+  asked_aim_ = aim;
   aim_ = aim_limit_.Limited(aim);
   return hand_.Connect() && hand_.Send(aim_);
 }
 
 void Trial::Lift() {
   if (aim_.present == 0) return;
-  aim_.present = 0;
-  Aim(aim_);
+  asked_aim_.present = 0;
+  Aim(asked_aim_);
 }
 
 void Trial::Feel(const protocol::ToolSample& tool, const protocol::ContactSnapshot& contacts, std::int64_t now_ns) {
   const double dt_s = felt_ns_ == 0 ? 0 : 1e-9 * static_cast<double>(now_ns - felt_ns_);
   felt_ns_ = now_ns;
   aim_limit_.Feel(tool, contacts, std::clamp(dt_s, 0.0, 0.1));
-  if (aim_.present != 0 && aim_limit_.Limited(aim_).tip_base_m != aim_.tip_base_m) Aim(aim_);
+  if (aim_.present != 0 && aim_limit_.Limited(asked_aim_).tip_base_m != aim_.tip_base_m) Aim(asked_aim_);
 }
 
 bool Trial::SetMaterial(const MaterialRequest& request) {

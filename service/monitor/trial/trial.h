@@ -68,7 +68,7 @@ class Trial {
   const TrialOptions options_;
   client::Connection connection_;
   client::HandLink hand_;
-  protocol::HandAim aim_;
+  protocol::HandAim asked_aim_, aim_;  // of the hand; what it may have
   AimLimit aim_limit_;
   std::int64_t felt_ns_ = 0;
   SceneLoads loads_;
