@@ -105,7 +105,7 @@ class Stack : public testing::Test {
 };
 
 #define OMNI_NEEDS(layer, package) \
-  if (!Installed(layer)) GTEST_SKIP() << "not installed: " package " (scripts/setup installs it)"
+  if (!Installed(layer)) GTEST_SKIP() << "not installed: " package " (scripts/setup all installs it)"
 
 TEST_F(Stack, CoreValidationAboveFindsNothing) {
   OMNI_NEEDS(kValidation, "openxr-layer-corevalidation");

@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -87,20 +88,51 @@ base::Status WritePicture(const ReportArguments& arguments, const RunReport& rep
   return base::Ok{};
 }
 
+struct Figure {
+  const char* heading;
+  const char* key;  // of a row of the summary
+  double scale;
+  int digits;
+};
+constexpr Figure kFigures[] = {
+    {"ticks of a millisecond", "ticks", 1, 0},
+    {"of them late", "late_ticks", 1, 0},
+    {"pen tracked, %", "tracked_fraction", 100, 1},
+    {"pen tracked coarsely, %", "coarse_fraction", 100, 1},
+    {"error of the tip, mean, mm", "tracking_mean_mm", 1, 2},
+    {"error of the tip, p95, mm", "tracking_p95_mm", 1, 2},
+    {"in contact, s", "contact_ticks", 1e-3, 1},
+    {"largest force, N", "peak_force_N", 1, 2},
+    {"changes of select in the app", "select_edges", 1, 0},
+    {"pulses from the app", "haptic_pulses", 1, 0},
+    {"pose valid in the app, %", "pose_valid_fraction", 100, 1},
+    {"xrLocateSpace, median, us", "locate_ns_median", 1e-3, 1},
+};
+
+std::string FigureText(const json& row, const Figure& figure) {
+  const json value = row.value(figure.key, json());
+  if (!value.is_number()) return "-";
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.*f", figure.digits, figure.scale * value.get<double>());
+  return text;
+}
+
+// A column for each scene.
 int ShowTable(const std::string& path) {
   const base::Result<json> summary = ReadSummary("--table", path);
   if (!summary.ok()) return Fail("omni report", summary.error());
-  Rows rows;
-  for (const json& row : (*summary)["scenes"]) {
-    nlohmann::ordered_json line;
-    for (const char* key : {"scene", "profile", "ticks", "late_ticks", "tracked_fraction", "coarse_fraction",
-                            "tracking_mean_mm", "tracking_p95_mm", "contact_ticks", "peak_force_N", "select_edges",
-                            "haptic_pulses", "pose_valid_fraction", "locate_ns_median"}) {
-      line[key] = row.value(key, json());
-    }
-    rows.push_back(line);
-  }
-  std::cout << RowTable(rows);
+  Rows lines;
+  const auto add = [&](const std::string& heading, const auto& text) {
+    nlohmann::ordered_json line = {{"simulated", heading}};
+    for (const json& row : (*summary)["scenes"]) line[row["scene"].get<std::string>()] = text(row);
+    lines.push_back(line);
+  };
+  add("interaction profile", [](const json& row) {
+    const std::string profile = row.value("profile", "");
+    return profile.substr(profile.rfind('/') + 1);
+  });
+  for (const Figure& figure : kFigures) add(figure.heading, [&](const json& row) { return FigureText(row, figure); });
+  std::cout << RowTable(lines);
   return kExitOk;
 }
 

@@ -78,7 +78,7 @@ std::vector<char*> Pointers(std::vector<std::string>& texts) {
 
 Result<std::unique_ptr<QemuProcess>> QemuProcess::Start(const Options& options, const std::string& folder) {
   const std::string qemu = FindProgram("qemu-system-arm");
-  if (qemu.empty()) return Error{"there is no qemu-system-arm: run scripts/setup --hil"};
+  if (qemu.empty()) return Error{"there is no qemu-system-arm: run scripts/setup all"};
   if (!std::filesystem::exists(ImagePath(options.image))) {
     return Error{ImagePath(options.image) + " is missing: build target omni_images"};
   }

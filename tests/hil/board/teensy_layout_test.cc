@@ -35,7 +35,7 @@ std::vector<std::uint8_t> BytesOf(const std::string& text) { return {text.begin(
 class TeensyLayout : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (std::string(OMNI_IMAGE_DIR).empty()) GTEST_SKIP() << "built without firmware images: run scripts/setup --hil";
+    if (std::string(OMNI_IMAGE_DIR).empty()) GTEST_SKIP() << "built without firmware images: run scripts/setup all";
     std::string error;
     elf_ = ReadElf(BytesOf(Slurp(ImagePath("omni_teensy40"))), error);
     ASSERT_EQ(error, "") << ImagePath("omni_teensy40");
@@ -287,7 +287,7 @@ TEST(IntelHex, RejectsDamagedFiles) {
 }
 
 TEST(ElfFile, RejectsTruncatedFiles) {
-  if (std::string(OMNI_IMAGE_DIR).empty()) GTEST_SKIP() << "built without firmware images: run scripts/setup --hil";
+  if (std::string(OMNI_IMAGE_DIR).empty()) GTEST_SKIP() << "built without firmware images: run scripts/setup all";
   std::vector<std::uint8_t> bytes = BytesOf(Slurp(ImagePath("omni_teensy40")));
   std::string error;
   ASSERT_GT(bytes.size(), 1000U);

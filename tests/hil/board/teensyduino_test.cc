@@ -74,7 +74,7 @@ TEST(Teensyduino, PlatformioIniNamesBoardAndFlags) {
 }
 
 TEST(Teensyduino, SourceFilterMatchesTheCompileCheck) {
-  if (std::string(OMNI_IMAGE_DIR).empty()) GTEST_SKIP() << "built without firmware images: run scripts/setup --hil";
+  if (std::string(OMNI_IMAGE_DIR).empty()) GTEST_SKIP() << "built without firmware images: run scripts/setup all";
   std::ifstream list(fs::path(OMNI_IMAGE_DIR) / "teensyduino_check.txt");
   std::set<std::string> checked;
   for (std::string line; std::getline(list, line);)
@@ -84,7 +84,7 @@ TEST(Teensyduino, SourceFilterMatchesTheCompileCheck) {
 }
 
 TEST(Teensyduino, CheckLinksTheSketch) {
-  if (std::string(OMNI_IMAGE_DIR).empty()) GTEST_SKIP() << "built without firmware images: run scripts/setup --hil";
+  if (std::string(OMNI_IMAGE_DIR).empty()) GTEST_SKIP() << "built without firmware images: run scripts/setup all";
   std::ifstream file(ImagePath("teensyduino_check"), std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   std::string error;

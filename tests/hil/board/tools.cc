@@ -22,8 +22,8 @@ std::string FindProgram(const std::string& name) {
 
 std::string NoBoardReason() {
   if (std::string(OMNI_IMAGE_DIR).empty())
-    return "built without firmware images: run scripts/setup --hil and build again";
-  if (FindProgram("qemu-system-arm").empty()) return "there is no qemu-system-arm: run scripts/setup --hil";
+    return "built without firmware images: run scripts/setup all and build again";
+  if (FindProgram("qemu-system-arm").empty()) return "there is no qemu-system-arm: run scripts/setup all";
   return {};
 }
 

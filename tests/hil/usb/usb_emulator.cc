@@ -77,7 +77,7 @@ base::Status EnterMockEnvironment(char** argv) {
   arguments.push_back(nullptr);
   execvp(arguments[0], arguments.data());
   return base::Error{std::string("umockdev-wrapper: ") + std::strerror(errno) +
-                     ": install it with scripts/setup --hil (Debian package umockdev)"};
+                     ": install it with scripts/setup all (Debian package umockdev)"};
 }
 
 UsbEmulator::Urb::Urb(Data* data, const Client* owner, std::size_t node)
