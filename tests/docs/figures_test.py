@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""README's table of figures is made of rows of docs/benchmarks.md. figures_test.py --print prints it."""
+"""README's table of figures is made of rows of docs/benchmarks/*.json. figures_test.py --print prints it."""
 
+import json
 import re
 import sys
 import unittest
@@ -37,29 +38,25 @@ FIGURES = [
 ]
 
 
-def tables():
-    """By name, rows as dictionaries of text."""
-    found = {}
-    text = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
-    for name, table in re.findall(r"<!-- results: (.+?) -->\n(.*?)<!-- end -->", text, flags=re.S):
-        lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.split("\n") if line.startswith("|")]
-        if lines:
-            found[name] = [dict(zip(lines[0], line, strict=True)) for line in lines[2:]]
-    return found
+def rows_of(place):
+    """Of a document, or of its side table: NAME or NAME/TABLE. Values as text."""
+    name, _, table = place.partition("/")
+    kept = json.loads((ROOT / "docs/benchmarks" / f"{name}.json").read_text(encoding="utf-8"))
+    return [{key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in row.items()}
+            for row in (kept["tables"][table] if table else kept["rows"])]
 
 
 def value(rows, where, column):
-    chosen = [float(row[column]) for row in rows if all(row[key] == word for key, word in where.items())]
+    chosen = [float(row[column]) for row in rows if all(row.get(key) == word for key, word in where.items())]
     if not chosen:
         raise AssertionError(f"no row has {where}")
     return max(chosen)
 
 
 def figures():
-    known = tables()
     lines = ["| simulated | |", "|---|---|"]
     for what, figure, sources in FIGURES:
-        values = {key: scale * value(known[table], where, column) for key, (table, where, column, scale) in sources.items()}
+        values = {key: scale * value(rows_of(table), where, column) for key, (table, where, column, scale) in sources.items()}
         lines.append(f"| {what} | {figure.format(**values)} |")
     return "\n".join(lines) + "\n"
 

@@ -16,6 +16,5 @@ int KeepRows(const std::string& name, const tools::Rows& rows, const std::string
 
 void AddPaper(Command& app);   // the published figures and ours
 void AddPaired(Command& app);  // one tick before and after a change
-void AddPage(Command& app);    // rows into a page of Markdown
 
 }  // namespace omni::bench

@@ -84,7 +84,6 @@ int Run(int argc, const char* const* argv) {
   AddBenches(app);
   AddPaper(app);
   AddPaired(app);
-  AddPage(app);
   return app.Parse(argc, argv).value_or(console::kExitOk);
 }
 
