@@ -1,13 +1,14 @@
-// node naive.mjs [TIMES]: a visitor who knows nothing of Omni opens omni try, presses on the picture, drags straight down
-// and waits; on clay he then drags up again. Judged by the twin's own record of the truth. Ten times each: fifteen
-// minutes. Figures are simulated.
-import { readFileSync, rmSync } from 'node:fs';
+// node naive.mjs [TIMES [VIEW]]: a visitor who knows nothing of Omni opens omni try, presses on the picture, drags straight
+// down and waits; on clay he then drags up again. Judged by the twin's own record of the truth. Ten times each: half an
+// hour. Figures are simulated.
+import { createReadStream, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
+import { createInterface } from 'node:readline';
 import { launch, Program, Visitor } from './support/trial.mjs';
 
 const kScenes = { extrusion: 'clay', dragon: 'dragon' };
-const kViews = ['default', 'Front'];
+const kViews = process.argv[3] ? [process.argv[3]] : ['default', 'Front'];
 const kDown_px = [45, 60, 110];
 const kWindow = { width: 1280, height: 800 };
 const kDrag_ms = 700; // of a calm hand
@@ -57,12 +58,16 @@ async function visit(visitor, scene, view, down_px) {
 }
 
 // Seconds of each visit with a force that is felt, and the largest.
-function judge(visits) {
-  const [head, ...rows] = readFileSync(record, 'utf8').trim().split('\n');
-  const names = head.split(',');
-  const [t, x] = [names.indexOf('t_ns'), names.indexOf('coil_force_x_N')];
+async function judge(visits) {
+  let names = null; // a row a millisecond: too long to hold
   let last_s = NaN;
-  for (const row of rows) {
+  let [t, x] = [0, 0];
+  for await (const row of createInterface({ input: createReadStream(record) })) {
+    if (names === null) {
+      names = row.split(',');
+      [t, x] = [names.indexOf('t_ns'), names.indexOf('coil_force_x_N')];
+      continue;
+    }
     const values = row.split(',').map(Number);
     const t_s = 1e-9 * values[t];
     const force_N = Math.hypot(...values.slice(x, x + 3));
@@ -90,7 +95,7 @@ for (const view of kViews) {
 }
 await browser.close();
 await program.stop();
-judge(visits);
+await judge(visits);
 rmSync(record);
 console.log(`| scene | view | down, px | felt ${kFelt_N} N for 1 s | median of the largest, N | pulled |`);
 console.log('|---|---|---|---|---|---|');

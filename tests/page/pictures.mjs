@@ -47,6 +47,7 @@ async function film(motion, count) {
   await motion();
   const to = await now();
   log(`filmed ${(to - from).toFixed(1)} s`);
+  await page.getByRole('button', { name: 'Measurements' }).click();
   await page.getByRole('button', { name: 'Replay', exact: true }).click();
   await page.getByRole('button', { name: 'Full detail' }).click();
   for (let i = 0; i < count; ++i) {
@@ -61,13 +62,13 @@ async function film(motion, count) {
   }
   await page.getByRole('button', { name: 'Full detail' }).click();
   await page.getByRole('button', { name: 'Live', exact: true }).click();
+  await page.getByRole('button', { name: 'Measurements' }).click();
 }
 
 async function lift(steps, by) {
   for (let i = 0; i < steps; ++i) await visitor.lower(-by);
 }
 
-// Quickly: a pen that is lowered slowly slides off its back.
 async function touchDragon() {
   await visitor.bringPen('Front');
   for (let i = 0; i < 8; ++i) {

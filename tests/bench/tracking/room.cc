@@ -8,20 +8,24 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "service/base/in_parallel.h"
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"
+#include "service/haptics/live/make_live.h"
 #include "service/haptics/scene.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/fields/vec3.h"
 #include "service/sim/hand/ordinary_hand.h"
 #include "service/sim/twin/loopback.h"
 #include "service/tools/common/statistics.h"
+#include "service/tools/scene/scene_source.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"
@@ -43,6 +47,7 @@ constexpr double kForce_N = 0.3;       // a smaller one is not judged
 constexpr double kPushed_N = 0.02;     // a larger one can be felt
 constexpr double kAbove_s = 1;         // as-drawn: the pen rests above the base at first
 constexpr double kBox_m = 0.12, kBoxTop_m = 0.03;
+constexpr const char* kPlayedScenes[] = {"extrusion", "dragon", "racetrack"};
 
 struct Tally {
   std::size_t ticks = 0, tracked = 0, coarse = 0, refused = 0;
@@ -161,12 +166,10 @@ base::Result<haptics::Scene> Box() {
   return haptics::BuildScene(input, report);
 }
 
-// The whole loop: the tick renders the box, and the hand yields to the coils' true force.
-void PressBox(const base::DeviceGeometry& device, const loop::TickConfig& config, const TruthParameters& truth,
-              std::uint64_t seed, sim::OrdinaryHandOptions hand, double run_s, const haptics::Scene& scene,
-              Judge& judge) {
-  hand.duration_s = run_s;
-  sim::PlantOptions plant{.seed = seed, .script = sim::MakeOrdinaryHand(device, hand)};
+// The whole loop: the tick renders the scene, and the hand yields to the coils' true force.
+void Press(const base::DeviceGeometry& device, const loop::TickConfig& config, const TruthParameters& truth,
+           std::uint64_t seed, const sim::HandScript& hand, double run_s, const haptics::Scene& scene, Judge& judge) {
+  sim::PlantOptions plant{.seed = seed, .script = hand};
   plant.truth = truth;
   sim::Loopback base(device, plant);
   const auto state = std::make_unique<loop::LoopState>();
@@ -199,6 +202,24 @@ void TrackWave(const base::DeviceGeometry& device, const tracker::Config& config
   }
 }
 
+constexpr std::string_view kScenePrefix = "scene-";
+
+struct PlayedScene {
+  std::string name;  // of the condition
+  haptics::Scene scene;
+  sim::HandScript hand;
+};
+
+base::Result<PlayedScene> LoadPlayed(const std::string& scene) {
+  const std::string path = tools::ShippedScene(scene);
+  auto loaded = tools::LoadLiveScene(path, {});
+  if (!loaded.ok()) return base::Error{loaded.error()};
+  auto hand = sim::LoadHandScript(tools::FindHandScript(path));
+  if (!hand.ok()) return base::Error{hand.error()};
+  hand->repeat = true;
+  return PlayedScene{std::string(kScenePrefix) + scene, std::move(loaded->scene), *std::move(hand)};
+}
+
 using Tallies = std::array<Tally, 2>;  // waved without forces, and pressing under them
 
 // One base and its calibrations, each made once.
@@ -224,10 +245,27 @@ class BaseInRooms {
     Judge waved(conditions.front()->settle_s), pressed(conditions.front()->settle_s);
     TrackWave(device_, (**config->second).tracker, truth, seed_, motion_seed, run_s, waved);
     // Who starts an uncalibrated base holds the pen above it.
-    const sim::OrdinaryHandOptions hand{.seed = motion_seed + 2,
-                                        .above_s = conditions.front()->as_drawn ? kAbove_s : 0};
-    PressBox(device_, **config->second, truth, seed_, hand, run_s, scene_, pressed);
+    const sim::OrdinaryHandOptions hand{
+        .seed = motion_seed + 2, .duration_s = run_s, .above_s = conditions.front()->as_drawn ? kAbove_s : 0};
+    Press(device_, **config->second, truth, seed_, sim::MakeOrdinaryHand(device_, hand), run_s, scene_, pressed);
     return {waved.Finish(conditions.front()->events_s), pressed.Finish(conditions.front()->events_s)};
+  }
+
+  // In the room that every base is calibrated in, its hand plays a shipped scene again and again.
+  Tally RunScene(const PlayedScene& played, double run_s) {
+    static const RoomCondition kRoom{"room"};
+    const auto [config, fresh] = configs_.try_emplace(SurroundingsOf(kRoom));
+    if (fresh) config->second = ConfigIn(kRoom, device_, seed_);
+    Judge judge(0);
+    if (!config->second->ok()) {
+      Tally refused;
+      refused.ticks = static_cast<std::size_t>(run_s / base::kTickPeriod_s);
+      refused.refused = 1;
+      return refused;
+    }
+    const haptics::Scene scene = haptics::FreshCopy(played.scene);
+    Press(device_, **config->second, RoomOf(kRoom), seed_, played.hand, run_s, scene, judge);
+    return judge.Finish({});
   }
 
  private:
@@ -313,38 +351,53 @@ std::vector<std::string> SplitAtCommas(const std::string& text) {
 base::Result<BenchRows> BenchRoom(const BenchOptions& options) {
   std::vector<RoomCondition> conditions = RoomConditions();
   const std::vector<std::string> wanted = SplitAtCommas(options.conditions);
+  std::set<std::string> known{std::string(kPairs)};
+  for (const RoomCondition& condition : conditions) known.insert(condition.name);
+  for (const char* scene : kPlayedScenes) known.insert(std::string(kScenePrefix) + scene);
+  for (const std::string& name : wanted) {
+    if (known.count(name) == 0) return base::Error{name + ": unknown condition"};
+  }
   const auto is_wanted = [&](std::string_view name) {
     return wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
   };
-  for (const std::string& name : wanted) {
-    const auto is_named = [&](const RoomCondition& c) { return c.name == name; };
-    if (name != kPairs && std::none_of(conditions.begin(), conditions.end(), is_named)) {
-      return base::Error{name + ": unknown condition"};
-    }
-  }
   std::erase_if(conditions, [&](const RoomCondition& c) { return !is_wanted(c.name); });
+  std::vector<PlayedScene> scenes;
+  for (const char* name : kPlayedScenes) {
+    if (!is_wanted(std::string(kScenePrefix) + name)) continue;
+    auto played = LoadPlayed(name);
+    if (!played.ok()) return base::Error{played.error()};
+    scenes.push_back(std::move(*played));
+  }
   const bool pairs = is_wanted(kPairs);
   const std::size_t rigs = options.quick ? 2 : kRigs;
   const double run_s = options.quick ? 12 : kRoomRun_s;
-  const auto scene = Box();
-  if (!scene.ok()) return base::Error{scene.error()};
+  const auto box = Box();
+  if (!box.ok()) return base::Error{box.error()};
   std::vector<std::string> names;
   for (const RoomCondition& condition : conditions) names.push_back(condition.name);
   if (pairs) names.emplace_back(kPairs);
   std::vector<std::vector<Tallies>> done(rigs);
+  std::vector<std::vector<Tally>> in_scenes(rigs);
   base::InParallel(rigs, [&](std::size_t r) {
     const std::uint64_t seed = 1000 * options.seed + 10 * r;
-    BaseInRooms base(seed, *scene);
+    BaseInRooms base(seed, *box);
     for (const RoomCondition& condition : conditions) done[r].push_back(base.Run({&condition}, seed, run_s));
     if (pairs) done[r].push_back(RunPairs(base, seed, options.quick ? 2 : kPairsPerRig));
+    for (const PlayedScene& scene : scenes) in_scenes[r].push_back(base.RunScene(scene, run_s));
   });
   BenchRows rows;
+  const auto add = [&](const std::string& name, bool force, const auto& tally_of) {
+    Tally sum;
+    for (std::size_t r = 0; r < rigs; ++r) sum.Add(tally_of(r));
+    rows.push_back(Row(name, force, sum, rigs, options.seed));
+  };
   for (const bool force : {false, true}) {
     for (std::size_t c = 0; c < names.size(); ++c) {
-      Tally sum;
-      for (std::size_t r = 0; r < rigs; ++r) sum.Add(done[r][c][force ? 1 : 0]);
-      rows.push_back(Row(names[c], force, sum, rigs, options.seed));
+      add(names[c], force, [&](std::size_t r) -> const Tally& { return done[r][c][force ? 1 : 0]; });
     }
+  }
+  for (std::size_t c = 0; c < scenes.size(); ++c) {
+    add(scenes[c].name, true, [&](std::size_t r) -> const Tally& { return in_scenes[r][c]; });
   }
   return rows;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "layer/src/service/service_link.h"
 #include "tests/layer/force/fixture.h"
 
 namespace omni::test {
@@ -36,13 +37,18 @@ class ForceRules : public ForceTest {
 
 // [System support] the service answers within milliseconds, but seldom before an application's first query.
 TEST_F(ForceRules, FirstQueryWaitsForTheService) {
-  int unsupported = 0;
+  constexpr std::int64_t kPatience_ns = layer::ServiceLink::kDevicePatience_ns;  // a service on a busy machine may take it all
+  int supported = 0, impatient = 0;
   for (int i = 0; i < 20; ++i) {
     service_.SetForce(true, protocol::ForceStanding::kFree);
     app_.emplace(WithForceAndNoMore());
-    unsupported += SystemSays().supportsForceFeedback == XR_FALSE;
+    const std::int64_t begin_ns = Now_ns();
+    const bool said = SystemSays().supportsForceFeedback == XR_TRUE;
+    supported += said;
+    impatient += !said && Now_ns() - begin_ns < kPatience_ns;
   }
-  EXPECT_EQ(unsupported, 0) << "of 20";
+  EXPECT_EQ(impatient, 0) << "of 20";
+  EXPECT_GT(supported, 0);
 }
 
 // [New Object Types] a handle belongs to its session: spaces of another one are rejected as by xrLocateSpace.

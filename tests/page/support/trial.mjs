@@ -57,6 +57,7 @@ export class Visitor {
     const { decode } = await load('decode.ts');
     visitor.context = await browser.newContext({ viewport: { width: 640, height: 560 }, ...options });
     visitor.page = await visitor.context.newPage();
+    visitor.page.setDefaultTimeout(180_000); // a picture that a busy processor draws
     visitor.complaints = [];
     visitor.page.on('console', (message) => {
       if (message.type() === 'error') visitor.complaints.push(message.text());
