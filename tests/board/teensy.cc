@@ -112,7 +112,8 @@ TEST_F(TeensyBoard, ReportsChipReadingsToTheCore) {
   for (int i = 0; i < 8; ++i) {
     EXPECT_NEAR(in.field[i][0], 171.1 * (i + 1), 1) << i;
     EXPECT_NEAR(in.field[i][2], 3422, 1) << i;
-    // All eight convert at once here: a millisecond, two steps until a chip is looked at, four until the last one is read.
+    // All eight convert at once here: a millisecond, two steps until a chip is looked at, four until the last one is
+    // read.
     EXPECT_LT(in.field_age_us[i], 1000 + 500 + 1000) << i;
   }
   EXPECT_EQ(in.current[0], 1600);

@@ -17,23 +17,31 @@ FIGURES = [
     ("error of the pen's position, waved in a room", "{mean:.2f} mm (p95 {p95:.2f} mm)", {
         "mean": ("room", {"condition": "room", "force": "false"}, "mean_mm", 1),
         "p95": ("room", {"condition": "room", "force": "false"}, "p95_mm", 1)}),
-    ("the same, pressing on a box with up to 15 A in the coils", "{mean:.2f} mm (p95 {p95:.2f} mm)", {
+    ("pressing on a box, up to 15 A in the coils", "{mean:.2f} mm (p95 {p95:.2f} mm)", {
         "mean": ("room", {"condition": "room", "force": "true"}, "mean_mm", 1),
         "p95": ("room", {"condition": "room", "force": "true"}, "p95_mm", 1)}),
-    ("force on the pen against what is said to be made, p95", "{force:.1f} %", {
+    ("in the shipped scenes: clay, dragon, race", "{clay:.2f}, {dragon:.2f}, {race:.2f} mm", {
+        "clay": ("room", {"condition": "scene-extrusion"}, "mean_mm", 1),
+        "dragon": ("room", {"condition": "scene-dragon"}, "mean_mm", 1),
+        "race": ("room", {"condition": "scene-racetrack"}, "mean_mm", 1)}),
+    ("cold starts that fail, of a million", "{failures:.0f}", {
+        "failures": ("solver", {"variant": "global, any tilt"}, "failures", 1)}),
+    ("error of the force on the pen, p95", "{force:.1f} %", {
         "force": ("room", {"condition": "room", "force": "true"}, "force_error_p95_pct", 1)}),
-    ("a whole tick of the service, of the 1,000 us it has", "median {median:.1f} us, p99 {p99:.1f} us", {
+    ("a tick of the service, of 1,000 us", "median {median:.1f} us, p99 {p99:.1f} us", {
         "median": ("tick", {}, "us_median", 1), "p99": ("tick", {}, "us_p99", 1)}),
     ("nearest point of a million triangles; Embree, Bullet", "{omni:.1f} us; {embree:.1f} us, {bullet:.0f} us", {
         "omni": ("collision", {"engine": "omni-closest", **LUMP}, "us_median", 1),
         "embree": ("collision", {"engine": "embree-warm", **LUMP}, "us_median", 1),
         "bullet": ("collision", {"engine": "bullet", **LUMP}, "us_median", 1)}),
-    ("xrLocateSpace of the pen; of a controller without the layer", "{layer:.1f} us; {bare:.1f} us", {
+    ("xrLocateSpace of the pen; without the layer", "{layer:.1f} us; {bare:.1f} us", {
         "layer": ("layer", {"method": "layer", "horizon_ms": "11", **LOCATE}, "ns_median", 1e-3),
         "bare": ("layer", {"method": "no layer", "horizon_ms": "11", **LOCATE}, "ns_median", 1e-3)}),
-    ("from a sample of the sensors to the application's pose", "{ms:.1f} ms", {
+    ("from the sensors to the application's pose", "{ms:.1f} ms", {
         "ms": ("layer/latency", {}, "ms_p50", 1)}),
-    ("read of a scene of 102 MB that has no haptic tag", "{kB:.0f} kB", {
+    ("half force gone after kill -9 of an application", "p99 {p99:.0f} ms", {
+        "p99": ("safety", {"what": "half force gone after kill -9"}, "p99_ms", 1)}),
+    ("read of an untagged scene of 102 MB", "{kB:.0f} kB", {
         "kB": ("scene", {"scene": "textured-100MB"}, "bytes_read", 1e-3)}),
 ]
 

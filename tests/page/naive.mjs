@@ -11,6 +11,7 @@ const kScenes = { extrusion: 'clay', dragon: 'dragon' };
 const kViews = process.argv[3] ? [process.argv[3]] : ['default', 'Front'];
 const kDown_px = [45, 60, 110];
 const kWindow = { width: 1280, height: 800 };
+const kUp_px = 150; // above where he began: the face comes along
 const kDrag_ms = 700; // of a calm hand
 const kWait_ms = 2200;
 const kFelt_N = 0.5;
@@ -50,7 +51,7 @@ async function visit(visitor, scene, view, down_px) {
   await drag(visitor, down_px, kDrag_ms);
   await page.waitForTimeout(kWait_ms);
   const to_s = now_s();
-  if (scene === 'extrusion') await drag(visitor, -down_px - 60, kDrag_ms);
+  if (scene === 'extrusion') await drag(visitor, -down_px - kUp_px, kDrag_ms);
   await page.waitForTimeout(500);
   const pulled_m = visitor.highest - kBlock_m;
   await visitor.release();

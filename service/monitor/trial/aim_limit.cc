@@ -60,8 +60,8 @@ double AimLimit::beyond_m() const {
   return contacts_.count > 0 ? std::min({beyond_m_, soft_m_, pressed_m_}) : std::numeric_limits<double>::infinity();
 }
 
-// (p - aim) . n <= beyond for every contact: point p, normal n. The pen is drawn back along its own axis, so that it stays
-// over the place that it was led to; where that lies along the surface, along the normal.
+// (p - aim) . n <= beyond for every contact: point p, normal n. The pen is drawn back along its own axis, so that it
+// stays over the place that it was led to; where that lies along the surface, along the normal.
 protocol::HandAim AimLimit::Limited(const protocol::HandAim& aim) const {
   base::Vec3 tip_m = VecOf(aim.tip_base_m);
   const base::Vec3 back = -1.0 * Normalized(VecOf(aim.axis_base));

@@ -18,7 +18,7 @@ namespace {
 
 using namespace firmware;
 
-constexpr int kSteps = 100'000;  // 25 s of device time
+constexpr int kSteps = 100'000;         // 25 s of device time
 constexpr int kTimeout_ms = 1'400'000;  // it only ends what hangs
 
 std::uint32_t Hash(std::uint32_t before, const LockstepAnswer& answer) {

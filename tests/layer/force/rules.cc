@@ -37,7 +37,8 @@ class ForceRules : public ForceTest {
 
 // [System support] the service answers within milliseconds, but seldom before an application's first query.
 TEST_F(ForceRules, FirstQueryWaitsForTheService) {
-  constexpr std::int64_t kPatience_ns = layer::ServiceLink::kDevicePatience_ns;  // a service on a busy machine may take it all
+  constexpr std::int64_t kPatience_ns =
+      layer::ServiceLink::kDevicePatience_ns;  // a service on a busy machine may take it all
   int supported = 0, impatient = 0;
   for (int i = 0; i < 20; ++i) {
     service_.SetForce(true, protocol::ForceStanding::kFree);
