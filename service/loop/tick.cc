@@ -202,11 +202,15 @@ base::Vec3 FollowInputs(const TickConfig& config, const Commands& commands, cons
 
 }  // namespace
 
+constexpr std::uint64_t kScenesComeBack_ticks = 500;
+
 void EnterScene(const haptics::Scene& scene, std::uint64_t generation, LoopState& state) noexcept {
   const auto& contacts = state.haptics.contacts;
   const bool touching = std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.IsFelt(); });
   haptics::Enter(scene, state.haptics);
-  state.haptics.appears = !touching;  // else an application has changed the scene that is being touched
+  // Else an application has changed the scene that is being touched, or pen and scene are both back after the base or
+  // omnid was away.
+  state.haptics.appears = !touching && state.tick >= kScenesComeBack_ticks;
   state.scene_generation = generation;
   state.scene_motion = {};
 }

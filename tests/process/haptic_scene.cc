@@ -22,10 +22,11 @@ namespace test_process_haptic_scene {
 
 using Json = nlohmann::json;
 
-// Down to 45 mm over the centre and held there.
+// Down to 46 mm over the centre and held there, once from outside again: a scene that appears around the tip acts then.
 constexpr const char* kPressAndStay = R"({"name": "press", "repeat": false, "waypoints": [
   {"s": 0, "tip_m": [0, 0, 0.070], "axis": [0, 0, -1]},
-  {"s": 0.5, "tip_m": [0, 0, 0.046], "axis": [0, 0, -1]},
+  {"s": 0.5, "tip_m": [0, 0, 0.046], "axis": [0, 0, -1]}, {"s": 1.5, "tip_m": [0, 0, 0.046], "axis": [0, 0, -1]},
+  {"s": 0.3, "tip_m": [0, 0, 0.070], "axis": [0, 0, -1]}, {"s": 0.3, "tip_m": [0, 0, 0.046], "axis": [0, 0, -1]},
   {"s": 120, "tip_m": [0, 0, 0.046], "axis": [0, 0, -1]}]})";
 
 // Under a sanitizer ticks are late and the press is not at its full: the difference has to be larger to be felt.

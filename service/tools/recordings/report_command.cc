@@ -128,7 +128,7 @@ int ShowTable(const std::string& path) {
     lines.push_back(line);
   };
   add("interaction profile", [](const json& row) {
-    const std::string profile = row.value("profile", "");
+    const std::string profile = row.contains("profile") && row["profile"].is_string() ? row["profile"] : "-";
     return profile.substr(profile.rfind('/') + 1);
   });
   for (const Figure& figure : kFigures) add(figure.heading, [&](const json& row) { return FigureText(row, figure); });

@@ -19,10 +19,11 @@
 namespace omni::test {
 namespace test_service_haptic_scene {
 
-// Pressed 8 mm into a block with its top at 50 mm, and held there.
-constexpr const char* kPressed = R"({"name": "pressed", "repeat": false, "waypoints": [
+// Pressed 8 mm into a block with its top at 50 mm, for five seconds again and again: a block that appears around the
+// tip acts when it comes from outside.
+constexpr const char* kPressed = R"({"name": "pressed", "repeat": true, "waypoints": [
   {"s": 0.5, "tip_m": [0, 0, 0.070], "axis": [0, 0, -1]}, {"s": 0.5, "tip_m": [0, 0, 0.042], "axis": [0, 0, -1]},
-  {"s": 600, "tip_m": [0, 0, 0.042], "axis": [0, 0, -1]}]})";
+  {"s": 5, "tip_m": [0, 0, 0.042], "axis": [0, 0, -1]}, {"s": 0.5, "tip_m": [0, 0, 0.070], "axis": [0, 0, -1]}]})";
 
 // An application's own scene, one at a time.
 class SceneApp {
