@@ -48,6 +48,7 @@ void SceneMemory::Recall(std::uint64_t build, haptics::State& state) const noexc
   if (found == left_.end()) return;
   state.regions = found->regions;
   state.vehicle = found->vehicle;
+  state.appears = false;  // the pen knows it: a wall that was pressed before a menu is there after it
 }
 
 }  // namespace omni::loop

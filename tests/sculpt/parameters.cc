@@ -131,22 +131,6 @@ TEST(SculptParametersTest, ReleasesATipAtRestDespiteNoise) {
   EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
 }
 
-// Who presses the clay in, waits and then draws up wants it to come along.
-TEST(SculptParametersTest, TakesHoldAgainOfAHandThatGoesOnPressing) {
-  SculptHand hand(Sphere(40, kRadius_m), {}, FiveMillimetres());
-  const double top_m = TopOf(hand.editor());
-  Grab(hand, top_m);
-  hand.Go({0, 0, top_m - 0.008}, 0.02);
-  hand.Rest(1500);
-  const double pressed_m = TopOf(hand.editor());
-  ASSERT_LT(pressed_m, top_m - 0.001);
-  EXPECT_EQ(hand.state().phase, SculptPhase::kHeld);
-  hand.Go({0, 0, top_m + 0.006}, 0.03);
-  hand.Rest(400);
-  EXPECT_GT(TopOf(hand.editor()), pressed_m + 0.003);
-  EXPECT_LT(hand.largest_step_N(), kSlew_N / 4);
-}
-
 TEST(SculptParametersTest, TearingOrTrackingLossEndsTheStroke) {
   for (const bool torn : {true, false}) {
     SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());

@@ -5,7 +5,6 @@ namespace {
 
 constexpr double kLetGoShare = 0.8;    // of the grab force: hysteresis while pressing
 constexpr double kRearmShare = 0.5;    // of the grab force: under it the tool is ready again
-constexpr double kRearm_s = 0.3;       // or after pressing on for so long
 constexpr double kFastest_m_s = 0.25;  // that the surface follows
 constexpr double kRest_m = 0.002;      // a tip that stays within rests; its velocity is noisier
 constexpr double kMoved_m = 3e-4;      // less is no stroke yet: resting does not end it
@@ -29,9 +28,7 @@ void Take(const SculptInput& input, SculptToolState& state) noexcept {
 
 void StepFree(const SculptParameters& parameters, const SculptInput& input, SculptToolState& state) noexcept {
   const double press_N = input.touch.touching ? input.touch.normal_force_N : 0;
-  // A hand that goes on pressing after it was let go of wants to go on: it is taken hold of again.
-  state.timer_s = !state.armed && press_N >= parameters.grab_force_N ? state.timer_s + input.dt_s : 0;
-  if (press_N < kRearmShare * parameters.grab_force_N || state.timer_s > kRearm_s) state.armed = true;
+  if (press_N < kRearmShare * parameters.grab_force_N) state.armed = true;
   if (!state.armed || state.end_waits || !(press_N >= parameters.grab_force_N)) return;
   state.phase = SculptPhase::kPressed;
   state.timer_s = 0;
@@ -104,7 +101,6 @@ void StepSettling(const SculptParameters& parameters, double dt_s, SculptToolSta
   state.offset_m = wanted_m;
   state.phase = SculptPhase::kFree;
   state.armed = false;
-  state.timer_s = 0;
   state.end_waits = true;
 }
 
