@@ -200,9 +200,9 @@ base::Vec3 FollowInputs(const TickConfig& config, const Commands& commands, cons
   return DetentForce_N(commands.inputs, state.inputs, output.haptics, dt_s, state.detent);
 }
 
-}  // namespace
-
 constexpr std::uint64_t kScenesComeBack_ticks = 500;
+
+}  // namespace
 
 void EnterScene(const haptics::Scene& scene, std::uint64_t generation, LoopState& state) noexcept {
   const auto& contacts = state.haptics.contacts;

@@ -1,19 +1,15 @@
 #!/usr/bin/env python3
 """docs/benchmarks.md is short, and shows what docs/benchmarks/*.json have."""
 
-import importlib.machinery
-import importlib.util
 import json
 import re
 import sys
 import unittest
 
 sys.dont_write_bytecode = True
-from doc_files import ROOT
+from doc_files import ROOT, script
 
-LOADER = importlib.machinery.SourceFileLoader("results", str(ROOT / "scripts/results"))
-results = importlib.util.module_from_spec(importlib.util.spec_from_loader("results", LOADER))
-LOADER.exec_module(results)
+results = script("results")
 PAGE = (ROOT / "docs/benchmarks.md").read_text(encoding="utf-8")
 
 

@@ -1,6 +1,8 @@
 """Reads our Markdown documents: blocks of code on one side, prose on the other."""
 
 import dataclasses
+import importlib.machinery
+import importlib.util
 import os
 import pathlib
 import re
@@ -14,6 +16,14 @@ def documents():
     for folder in ("docs", "layer", "firmware"):
         files += sorted((ROOT / folder).rglob("*.md"))
     return files
+
+
+def script(name):
+    """scripts/NAME as a module."""
+    loader = importlib.machinery.SourceFileLoader(name, str(ROOT / "scripts" / name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
+    loader.exec_module(module)
+    return module
 
 
 def where(path, line):

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """README's table of figures is made of rows of docs/benchmarks/*.json. figures_test.py --print prints it."""
 
-import json
 import re
 import sys
 import unittest
 
 sys.dont_write_bytecode = True
-from doc_files import ROOT
+from doc_files import ROOT, script
+
+results = script("results")
 
 LUMP = {"mesh": "lump", "triangles": "1002252"}
 LOCATE = {"call": "xrLocateSpace (pen)"}
@@ -46,16 +47,8 @@ FIGURES = [
 ]
 
 
-def rows_of(place):
-    """Of a document, or of its side table: NAME or NAME/TABLE. Values as text."""
-    name, _, table = place.partition("/")
-    kept = json.loads((ROOT / "docs/benchmarks" / f"{name}.json").read_text(encoding="utf-8"))
-    return [{key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in row.items()}
-            for row in (kept["tables"][table] if table else kept["rows"])]
-
-
 def value(rows, where, column):
-    chosen = [float(row[column]) for row in rows if all(row.get(key) == word for key, word in where.items())]
+    chosen = [row[column] for row in rows if all(results.printed(row.get(key)) == word for key, word in where.items())]
     if not chosen:
         raise AssertionError(f"no row has {where}")
     return max(chosen)
@@ -64,7 +57,7 @@ def value(rows, where, column):
 def figures():
     lines = ["| simulated | |", "|---|---|"]
     for what, figure, sources in FIGURES:
-        values = {key: scale * value(rows_of(table), where, column) for key, (table, where, column, scale) in sources.items()}
+        values = {key: scale * value(results.rows_of(table), where, column) for key, (table, where, column, scale) in sources.items()}
         lines.append(f"| {what} | {figure.format(**values)} |")
     return "\n".join(lines) + "\n"
 

@@ -12,7 +12,7 @@ namespace {
 void AddMoved(Command& app, const std::string& name, const std::string& now) {
   app.AddHidden(name).Run([name, now] {
     return Refuse("omni " + name, "moved to `" + now +
-                                      "`, a separate program in the source tree: cmake --preset release && " +
+                                      "`, a separate program in the source tree: scripts/configure release tests && " +
                                       "cmake --build --preset release --target omni-bench; build/release/bin/" + now);
   });
 }

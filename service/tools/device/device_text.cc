@@ -174,7 +174,7 @@ std::string FlashHelpText() {
   return R"(How to put the firmware on a Teensy 4.0
 
 1. Build it (needs gcc-arm-none-eabi, libnewlib-arm-none-eabi, libstdc++-arm-none-eabi-newlib):
-     scripts/setup all && cmake --preset release && cmake --build --preset release
+     scripts/setup all && scripts/configure release all && cmake --build --preset release
    The image is omni_teensy40.hex below build/release.
 2. Switch the coils' supply off. The Teensy is powered over USB.
 3. Install the loader and give this user access to the Teensy:

@@ -7,9 +7,7 @@ constexpr std::uint64_t kAgeMax_us = 65535;
 constexpr int kLooks = wire::kSensors / 2;  // in a step
 constexpr int kReads = 2;
 constexpr std::uint64_t kLookPeriod_us = 2 * firmware::kStepPeriod_us;
-// Without a new sample: read all the same every 5 ms, which shows whether the chip is there at all; reset after 100 ms.
-constexpr std::uint16_t kSilentSteps = 20, kFrozenSteps = 400;
-static_assert(kFrozenSteps % kSilentSteps == 0, "they are counted together");
+constexpr std::uint16_t kFrozenSteps = 400;  // without a new sample: reset
 
 }  // namespace
 
@@ -19,6 +17,7 @@ void HallArray::Start() noexcept {
 }
 
 void HallArray::Look(std::uint64_t now_us) noexcept {
+  static_assert(kFrozenSteps % kSilentSteps == 0, "they are counted together");
   const int first = second_half_ ? kLooks : 0;
   second_half_ = !second_half_;
   for (int i = first; i < first + kLooks; ++i) {

@@ -26,6 +26,9 @@ class HallArray {
   void Maintain() noexcept;
 
  private:
+  // Without a new sample for so long a chip is read all the same, which shows whether it is there at all.
+  static constexpr std::uint16_t kSilentSteps = 20;
+
   struct Channel {
     explicit Channel(std::uint8_t index) noexcept : bus(index), chip(bus) {}
     HallBus bus;
@@ -35,8 +38,8 @@ class HallArray {
     std::uint64_t seen_us = 0;  // when the sample that waits was seen
     bool waits = false;
     bool answers = false;
-    volatile std::uint16_t quiet_steps = 18;  // since its last sample; the main loop reads it
-    bool reset = false;                       // since its last sample
+    volatile std::uint16_t quiet_steps = kSilentSteps - 2;  // since its last sample; the main loop reads it
+    bool reset = false;                                     // since its last sample
   };
 
   void Look(std::uint64_t now_us) noexcept;
