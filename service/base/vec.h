@@ -34,6 +34,8 @@ constexpr Vec3 operator-(const Vec3& a) noexcept { return {-a.x, -a.y, -a.z}; }
 constexpr Vec3 operator*(double s, const Vec3& a) noexcept { return {s * a.x, s * a.y, s * a.z}; }
 constexpr Vec3& operator+=(Vec3& a, const Vec3& b) noexcept { return a = a + b; }
 
+constexpr Vec3 VecOf(const std::array<double, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
+
 constexpr double Dot(const Vec3& a, const Vec3& b) noexcept { return a.x * b.x + a.y * b.y + a.z * b.z; }
 constexpr Vec3 Cross(const Vec3& a, const Vec3& b) noexcept {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

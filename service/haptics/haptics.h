@@ -106,6 +106,7 @@ struct Output {
   base::Vec3 force_base_N;  // finite, <= limit, slew-limited
   bool in_contact = false;  // |rendered force| > contact_threshold
   bool holding = false;     // the tip holds a face or a sculpted surface, which follows it
+  bool waits = false;       // the tip is inside what appeared around it or was pushed through: no force until it is out
   int contact_count = 0;
   std::array<Contact, kMaxContacts> contacts;
   double tip_normal_force_N = 0;  // sum of requested normal contact forces, before limits: drives tip force inputs

@@ -198,6 +198,11 @@ bool Holds(const Scene& scene, const State& state) noexcept {
   return false;
 }
 
+// What the tip is inside of without force, until it was outside.
+bool Waits(const State& state) noexcept {
+  return std::any_of(state.contacts.begin(), state.contacts.end(), [](const auto& c) { return c.active && c.popped; });
+}
+
 // Faces that are pushed in and pulled out; their force on the tip, base frame.
 Vec3 StepRegions(const ContactScene& contact_scene, const StiffnessBound& bound, const Input& input,
                  const RegionTouches& touches, State& state) noexcept {
@@ -242,6 +247,7 @@ Touched Touch(const Scene& scene, const StiffnessBound& bound, const Input& inpu
   }
   touched.others_N = touched.others_N + StepRegions(contact_scene, bound, input, touches, state);
   output.holding = Holds(scene, state);
+  output.waits = Waits(state);
   touched.moving = touched.moving || !RegionsRest(scene, state) || input.scene_motion != SceneMotion::kStill;
   if (state.left_fade_s > 0) touched.others_N = touched.others_N + FadeLeaving(input.dt_s, state);
   ForgetUntouched(state);

@@ -11,7 +11,7 @@ inline constexpr std::int64_t kLatestTime_ns = std::int64_t{1} << 62;  // differ
 inline constexpr double kUnitTolerance = 1e-2;                         // of |q|^2
 inline constexpr std::uint32_t kKnownToolFlags =
     kToolPoseValid | kToolTracked | kToolContact | kToolJoystick | kToolAligned | kToolPushed | kToolSaturated |
-    kToolWarm | kToolOutOfReach | kToolDeviceFault | kToolStiffnessLimited | kToolHolding | kToolSoftened;
+    kToolWarm | kToolOutOfReach | kToolDeviceFault | kToolStiffnessLimited | kToolHolding | kToolSoftened | kToolWaits;
 
 bool InRange(const ToolSample& sample) noexcept;
 bool InRange(const InputSnapshot& inputs) noexcept;

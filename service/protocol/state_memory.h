@@ -35,7 +35,8 @@ enum ToolFlag : std::uint32_t {
   kToolDeviceFault = 1u << 9,        // the device reports a fault: no force
   kToolStiffnessLimited = 1u << 10,  // constraints are softer or less damped than requested
   kToolHolding = 1u << 11,           // the tip holds a face or a sculpted surface, which follows it
-  kToolSoftened = 1u << 12           // what is touched gave the hand energy or made it swing, and is softer for a while
+  kToolSoftened = 1u << 12,          // what is touched gave the hand energy or made it swing, and is softer for a while
+  kToolWaits = 1u << 13  // the tip is inside what appeared around it or was pushed through: no force until out
 };
 
 // Frame T of the tool: origin at the device point (tip), -Z out of the tip along the pen's axis; roll about the axis

@@ -213,11 +213,16 @@ TEST(LoopScenario, BodyThatAppearsAroundTheTipActsOnceTheTipWasOutside) {
   loop::EnterScene(table, 1, scenario.state);
   bool was_out = false;
   double inside_N = 0, again_N = 0;
+  int said = 0;
   while (scenario.Step(table)) {
-    was_out = was_out || scenario.output.tool.device_point_base_m.z > kTableTop_m + 0.002;
+    const double z_m = scenario.output.tool.device_point_base_m.z;
+    was_out = was_out || z_m > kTableTop_m + 0.002;
+    said += !was_out && scenario.output.haptics.waits;
+    EXPECT_FALSE(was_out && scenario.output.haptics.waits);
     (was_out ? again_N : inside_N) = std::max(was_out ? again_N : inside_N, scenario.force_N());
   }
   EXPECT_EQ(inside_N, 0);
+  EXPECT_GT(said, 100);  // samples have the flag `waits`
   EXPECT_TRUE(was_out);
   EXPECT_GT(again_N, 0.1);
 }

@@ -24,13 +24,12 @@ const now_s = () => Number(process.hrtime.bigint()) * 1e-9; // CLOCK_MONOTONIC, 
 
 // A pointer that moves as a hand does, and not in one leap.
 async function drag(visitor, dy_px, duration_ms) {
-  const steps = Math.round(duration_ms / 20);
   const from = visitor.pointer.y;
-  for (let i = 1; i <= steps; ++i) {
-    const share = i / steps;
-    const y = from + dy_px * share * share * (3 - 2 * share);
-    await visitor.page.mouse.move(visitor.pointer.x, y);
-    await visitor.page.waitForTimeout(20);
+  const begin_s = now_s();
+  for (let share = 0; share < 1;) {
+    share = Math.min(1, (1e3 * (now_s() - begin_s)) / duration_ms); // in real time, however slowly the page draws
+    await visitor.page.mouse.move(visitor.pointer.x, from + dy_px * share * share * (3 - 2 * share));
+    await visitor.page.waitForTimeout(15);
   }
   visitor.pointer.y = from + dy_px;
 }
@@ -52,7 +51,7 @@ async function visit(visitor, scene, view, down_px) {
   await page.waitForTimeout(kWait_ms);
   const to_s = now_s();
   if (scene === 'extrusion') await drag(visitor, -down_px - kUp_px, kDrag_ms);
-  await page.waitForTimeout(500);
+  for (let i = 0; i < 30 && !(visitor.highest - kBlock_m > kPulled_m); ++i) await page.waitForTimeout(100); // drawn late
   const pulled_m = visitor.highest - kBlock_m;
   await visitor.release();
   return { scene, view, down_px, from_s, to_s, pulled_m };

@@ -7,19 +7,23 @@ import { middleLine } from './support/track.mjs';
 import { launch, Program, Visitor } from './support/trial.mjs';
 
 const folder = process.argv[2];
+const kBlock_m = 0.056; // the clay's top, as it comes
+const kFinger_m = 0.015;
 const kWide = { width: 1280, height: 800 };
 
 const program = await Program.start(['try', 'extrusion']);
 const browser = await launch();
 const visitor = await Visitor.open(browser, program.address, { viewport: kWide });
 const { page } = visitor;
-const shot = async (name) => {
+// `meanwhile`: what the hand goes on with.
+const shot = async (name, meanwhile = async () => {}) => {
   // By script: the pointer stays where it is, on the pen.
   const detail = () => page.getByRole('button', { name: 'Full detail' }).evaluate((button) => button.click());
   await detail();
   await visitor.drawn();
   await page.waitForTimeout(500);
-  writeFileSync(join(folder, name), await page.screenshot());
+  const [picture] = await Promise.all([page.screenshot(), meanwhile()]);
+  writeFileSync(join(folder, name), picture);
   await detail();
   log(name);
 };
@@ -34,6 +38,14 @@ async function show(name) {
   await ready(name);
 }
 
+// Draws the clay's highest point out to `height_m` over its top.
+async function pullOut(height_m) {
+  for (let i = 0; i < 200 && !(visitor.highest - kBlock_m > height_m); ++i) {
+    await visitor.lower(-0.8);
+    await page.waitForTimeout(50);
+  }
+}
+
 async function touchDragon() {
   await visitor.bringPen('Front');
   for (let i = 0; i < 8; ++i) {
@@ -46,8 +58,9 @@ await visitor.until('connection', (text) => text.includes('Connected'), 'the pag
 await ready('extrusion');
 
 await show('extrusion');
-await visitor.pressOn('block', { force_N: 0.4 });
-await shot('try.png');
+await visitor.pressOn('block', { held: true });
+await pullOut(kFinger_m);
+await shot('try.png', () => pullOut(kFinger_m + 0.004)); // a pen that rests lets go
 await visitor.release();
 
 await show('dragon');

@@ -131,6 +131,37 @@ TEST(SculptParametersTest, ReleasesATipAtRestDespiteNoise) {
   EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
 }
 
+// Press, wait, draw back: the surface comes along, however long the wait and however far the press went in.
+TEST(SculptParametersTest, HoldsWhileItIsPressed) {
+  SculptHand hand(Sphere(40, kRadius_m), {}, FiveMillimetres());
+  const double top_m = TopOf(hand.editor());
+  Grab(hand, top_m);
+  hand.Go({0, 0, top_m - 0.006}, 0.03);
+  ASSERT_LT(hand.state().offset_m, -1e-3);
+  hand.Rest(3000);
+  EXPECT_EQ(hand.state().phase, SculptPhase::kHeld);
+  hand.Go({0, 0, top_m + 0.008}, 0.05);
+  EXPECT_GT(hand.state().offset_m, 0.004);
+  EXPECT_EQ(hand.editor().undo_steps(), 0U);
+}
+
+// A dent is left by a hand that presses no more.
+TEST(SculptParametersTest, LeavesADentWhenThePressIsOver) {
+  SculptHand hand(Sphere(40, kRadius_m), {}, FiveMillimetres());
+  const double top_m = TopOf(hand.editor());
+  Grab(hand, top_m);
+  hand.Go({0, 0, top_m - 0.006}, 0.03);
+  hand.Rest(400);
+  const double dent_m = hand.state().offset_m;
+  ASSERT_LT(dent_m, -1e-3);
+  ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
+  while (hand.force_N().z > 0.1) hand.Go(hand.tip() + Vec3{0, 0, 1e-5}, 0.01);
+  hand.Rest(350);
+  EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
+  hand.Go({0, 0, top_m + 0.01}, 0.05);
+  EXPECT_NEAR(TopOf(hand.editor()) - top_m, dent_m, 2e-4);
+}
+
 TEST(SculptParametersTest, TearingOrTrackingLossEndsTheStroke) {
   for (const bool torn : {true, false}) {
     SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());

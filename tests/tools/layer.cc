@@ -105,6 +105,19 @@ TEST_F(LayerStore, DisableRemovesAllOwnManifestsAndNoOthers) {
   EXPECT_TRUE(fs::exists(folder / "other.json"));
 }
 
+TEST_F(LayerStore, NoteOfTheManifestsPlaceGoesWithIt) {
+  there_.environment["XDG_DATA_HOME"] = folder_.Path("data");
+  const fs::path note = folder_.Path("home/.local/share/omni/layer_manifest");
+  ASSERT_TRUE(EnableLayer(there_, LayerScope::kUser).ok());
+  EXPECT_TRUE(fs::exists(note));
+  there_.environment["XDG_DATA_HOME"] = folder_.Path("elsewhere");
+  ASSERT_TRUE(DisableLayer(there_, LayerScope::kUser)->empty());
+  EXPECT_TRUE(fs::exists(note)) << "of a manifest that is still there";
+  there_.environment["XDG_DATA_HOME"] = folder_.Path("data");
+  ASSERT_EQ(DisableLayer(there_, LayerScope::kUser)->size(), 1u);
+  EXPECT_FALSE(fs::exists(note));
+}
+
 TEST_F(LayerStore, RefusalsNameTheFileAndTheRemedy) {
   folder_.Write("home/.local", "a file where a folder should be");
   ExpectRefused(LayerScope::kUser, {folder_.Path("home/.local/share"), "Not a directory", "XDG_DATA_HOME"});

@@ -11,8 +11,6 @@ namespace {
 
 static_assert(protocol::kMaxForceConstraints == haptics::kMaxConstraints);
 
-base::Vec3 VecOf(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
-
 // A message from the future counts as sent now; an old one has lost its remaining time.
 std::int64_t SentAt_ns(std::int64_t t_ns, std::int64_t now_ns) {
   return std::clamp(t_ns, now_ns - protocol::kLongestForce_ns, now_ns);
@@ -25,15 +23,15 @@ haptics::Constraint ConstraintOf(const protocol::ForceConstraint& c) {
           .damping_Ns_m = c.damping_Ns_m,
           .max_force_N = c.max_force_N,
           .radius_m = c.radius_m,
-          .point_base_m = VecOf(c.point_base_m),
-          .direction_base = VecOf(c.direction_base),
-          .velocity_base_m_s = VecOf(c.velocity_base_m_s),
-          .angular_velocity_base_rad_s = VecOf(c.angular_velocity_base_rad_s)};
+          .point_base_m = base::VecOf(c.point_base_m),
+          .direction_base = base::VecOf(c.direction_base),
+          .velocity_base_m_s = base::VecOf(c.velocity_base_m_s),
+          .angular_velocity_base_rad_s = base::VecOf(c.angular_velocity_base_rad_s)};
 }
 
 void Obey(const protocol::ForceApply& apply, std::int64_t now_ns, haptics::AppliedCommand& command) {
   ++command.force_id;
-  command.force_base_N = VecOf(apply.force_base_N);
+  command.force_base_N = base::VecOf(apply.force_base_N);
   command.force_end_ns = SentAt_ns(apply.t_ns, now_ns) + apply.duration_ns;
   command.ramp_s = 1e-9 * static_cast<double>(apply.ramp_ns);
 }

@@ -19,6 +19,7 @@ std::uint32_t Flags(const loop::TickOutput& output) noexcept {
   if (output.haptics.in_contact && output.gate > 0) flags |= protocol::kToolContact;
   if (output.haptics.joystick) flags |= protocol::kToolJoystick;
   if (output.haptics.holding && output.gate > 0) flags |= protocol::kToolHolding;
+  if (output.haptics.waits && output.gate > 0) flags |= protocol::kToolWaits;
   if (output.applied.acts && output.gate > 0) flags |= protocol::kToolPushed;
   if (output.saturated) flags |= protocol::kToolSaturated;
   if (output.warm) flags |= protocol::kToolWarm;

@@ -11,10 +11,6 @@ namespace {
 
 constexpr std::size_t kMaxTextBytes = 60'000;
 
-base::Vec3 Scaled(const std::array<double, 3>& v, double factor) {
-  return {factor * v[0], factor * v[1], factor * v[2]};
-}
-
 loop::PoseSample SampleOf(const protocol::ScenePose& pose, std::int64_t t_ns, std::uint32_t flags,
                           std::uint64_t number) {
   const auto& q = pose.rotation_wxyz;
@@ -22,9 +18,9 @@ loop::PoseSample SampleOf(const protocol::ScenePose& pose, std::int64_t t_ns, st
           .number = number,
           .leaps = (flags & protocol::kPoseLeaps) != 0,
           .rotation = {q[0], q[1], q[2], q[3]},
-          .position_m = Scaled(pose.position_m, 1),
-          .velocity_m_s = Scaled(pose.velocity_m_s, 1),
-          .angular_velocity_rad_s = Scaled(pose.angular_velocity_rad_s, 1)};
+          .position_m = base::VecOf(pose.position_m),
+          .velocity_m_s = base::VecOf(pose.velocity_m_s),
+          .angular_velocity_rad_s = base::VecOf(pose.angular_velocity_rad_s)};
 }
 
 // The entry of a fixed-size list for which `is` holds, else a new one; full: null.
@@ -192,7 +188,7 @@ void AppScenes::FillControl(ipc::ClientId id, std::uint64_t generation, loop::Sc
   const double factor = scene.felt_scale / scene.scale;
   for (std::uint32_t i = 0; i < control.object_count; ++i) {
     loop::PoseSample& pose = control.objects[i].pose;
-    for (base::Vec3* v : {&pose.position_m, &pose.velocity_m_s}) *v = Scaled({v->x, v->y, v->z}, factor);
+    for (base::Vec3* v : {&pose.position_m, &pose.velocity_m_s}) *v = factor * *v;
   }
 }
 

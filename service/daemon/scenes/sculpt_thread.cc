@@ -228,11 +228,6 @@ void SculptThread::Execute(const Work& work, std::unique_lock<std::mutex>& lock)
 
 // The surface is copied under the lock, written without it: the tick's strokes go on meanwhile.
 void SculptThread::Save(const Sculpted& sculpted, std::unique_lock<std::mutex>& lock, SculptAnswer& answer) {
-  for (std::size_t n = 0; n < sculpted.benches.size(); ++n) {
-    if (!sculpted.sculpt_session(n).editor().in_stroke()) continue;
-    answer.text = std::string(sculpted.name(n)) + ": " + kOpenStroke;
-    return;
-  }
   const haptics::SceneInput saved = haptics::SculptedScene(*sculpted.scene, *sculpted.scene->live());
   lock.unlock();
   WriteFile(saved, answer);

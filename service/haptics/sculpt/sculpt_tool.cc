@@ -4,7 +4,7 @@ namespace omni::haptics::sculpt {
 namespace {
 
 constexpr double kLetGoShare = 0.8;    // of the grab force: hysteresis while pressing
-constexpr double kRearmShare = 0.5;    // of the grab force: under it the tool is ready again
+constexpr double kPressShare = 0.5;    // of the grab force: under it the press is over
 constexpr double kFastest_m_s = 0.25;  // that the surface follows
 constexpr double kRest_m = 0.002;      // a tip that stays within rests; its velocity is noisier
 constexpr double kMoved_m = 3e-4;      // less is no stroke yet: resting does not end it
@@ -28,7 +28,7 @@ void Take(const SculptInput& input, SculptToolState& state) noexcept {
 
 void StepFree(const SculptParameters& parameters, const SculptInput& input, SculptToolState& state) noexcept {
   const double press_N = input.touch.touching ? input.touch.normal_force_N : 0;
-  if (press_N < kRearmShare * parameters.grab_force_N) state.armed = true;
+  if (press_N < kPressShare * parameters.grab_force_N) state.armed = true;
   if (!state.armed || state.end_waits || !(press_N >= parameters.grab_force_N)) return;
   state.phase = SculptPhase::kPressed;
   state.timer_s = 0;
@@ -84,7 +84,9 @@ void StepHeld(const SculptParameters& parameters, const SculptInput& input, Scul
   const double side_N = std::min(side_k * side_m, parameters.side_force_max_N);
   state.held_force_N = std::clamp(normal_N, -parameters.hold_force_max_N, parameters.hold_force_max_N) * state.normal -
                        side_N * Normalized(sideways);
-  const bool rests = std::abs(height_m - state.rest_height_m) < kRest_m && std::abs(state.offset_m) > kMoved_m;
+  const bool presses = normal_N >= kPressShare * parameters.grab_force_N;
+  const bool rests =
+      !presses && std::abs(height_m - state.rest_height_m) < kRest_m && std::abs(state.offset_m) > kMoved_m;
   state.rested_s = rests ? state.rested_s + input.dt_s : 0;
   if (!rests) state.rest_height_m = height_m;
   const bool torn = IsTorn(parameters, height_m, k, state) || !(side_m <= input.brush.radius_m + parameters.tear_m);

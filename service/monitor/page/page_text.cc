@@ -35,6 +35,7 @@ constexpr auto kFlagNames = std::to_array<BitName>({
     {protocol::kToolStiffnessLimited, "stiffness_limited"},
     {protocol::kToolHolding, "holding"},
     {protocol::kToolSoftened, "softened"},
+    {protocol::kToolWaits, "waits"},
 });
 // loop::TickFault: protocol::TelemetrySample::tick_faults.
 constexpr auto kTickFaultNames = std::to_array<BitName>({

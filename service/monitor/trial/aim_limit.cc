@@ -19,7 +19,7 @@ constexpr double kPress_m_s = 0.02, kPressFirst_m = 0.003;
 constexpr double kBounce_s = 0.2;
 constexpr double kSteep = 0.5;  // cosine
 
-base::Vec3 VecOf(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+using base::VecOf;
 
 }  // namespace
 

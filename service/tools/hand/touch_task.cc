@@ -86,6 +86,7 @@ void TouchTask::Act(const Perceived& seen, double dt_s) {
       Shape(seen, dt_s);
       break;
     case Phase::kRest:
+      aim_.MoveTo(seen.tip_base_m, kProbe_m_s, dt_s);  // clay that is pressed is not let go of
       if (!seen.stroke_open || phase_s_ >= kLetsGo_s) Enter(Phase::kLift);
       break;
     case Phase::kLift:

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/base/files/read_file.h"
 #include "service/base/files/whole_file.h"
 #include "service/tools/common/files.h"
 #include "service/tools/doctor/library_check.h"
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 constexpr const char* kExplicitBelow = "openxr/1/api_layers/explicit.d";
 constexpr const char* kImplicitBelow = "openxr/1/api_layers/implicit.d";
 constexpr const char* kImplicitName = "XrApiLayer_omni.json";
+constexpr std::size_t kMaxNoteBytes = 4096;
 constexpr mode_t kReadByAll = S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH;
 
 const char* OptionFor(LayerScope scope) { return scope == LayerScope::kUser ? "--user" : "--system"; }
@@ -158,6 +160,14 @@ base::Result<std::vector<fs::path>> DisableLayer(const Surroundings& surrounding
                          "); remove it as its owner" + (scope == LayerScope::kSystem ? ", root" : "")};
     }
     removed.push_back(manifest.file);
+  }
+  if (const fs::path note = NoteOfPlace(surroundings, scope); !note.empty()) {
+    const auto text = base::ReadFile(note.string(), kMaxNoteBytes);
+    const bool of_removed = text.ok() && std::any_of(removed.begin(), removed.end(), [&](const fs::path& file) {
+                              return *text == file.string() + "\n";
+                            });
+    std::error_code error;
+    if (of_removed) fs::remove(note, error);
   }
   return removed;
 }

@@ -152,18 +152,14 @@ export class Visitor {
   // Brings the pen and lowers it until it presses on something, or holds it. `seen`: called after each step.
   async pressOn(name, { force_N = Infinity, held = false, seen = async () => {} }) {
     await this.bringPen('Front');
-    let waited = 0;
     for (let i = 0; i < 60; ++i) {
       const touching = await this.text('touching');
       const touched = touching.includes(name);
       if (touched && (await this.number('force')) > force_N) return;
       if (held && /held/.test(touching)) return;
-      // What is pressed on after it was taken hold of moves in, and a surface that was moved is let go of by a pen that
-      // rests for .3 s: with enough force the hand waits. If it was too slow, it begins again.
+      // What is taken hold of moves in when it is pressed on: with enough force the hand waits.
       const waits = held && touched && (await this.number('force')) > 0.53;
-      waited = waits ? waited + 1 : 0;
-      if (waited > 5) await this.lower(-8);
-      else if (!waits) await this.lower(touched ? 2 : 4);
+      if (!waits) await this.lower(touched ? 2 : 4);
       await this.page.waitForTimeout(100);
       await this.drawn();
       await seen();

@@ -8,7 +8,7 @@ import { kHelp, kLabelHand, kLabelView } from './help';
 import { HeldKeys, motionOf, type Motion } from './keys';
 
 const kStartHeight = 0.07; // m over the core's centre, where there is no scene
-const kStartGap = 0.0035; // m over the scene: a small drag touches it
+const kStartGap = 0.0025; // m over the scene: a small drag touches it
 const kStartHighest = 0.2;
 const kIdle_ms = 500; // after its last word the hand keeps its own aim for so long: the answer is on its way
 const kTouchReach = 40; // pixels

@@ -1,5 +1,5 @@
 // One hint on the picture of omni try: what to do next, until something was touched; then only that the base is at its
-// limit, while it is.
+// limit, or the pen inside what makes no force yet, while it is so.
 import type { PageState } from './state';
 import { tracking } from './words';
 
@@ -17,6 +17,7 @@ export class Hints {
       this.touched = true;
       if (signals.flag(live, 'saturated') === true) this.limit_ms = now_ms;
     }
+    if (signals.flag(live, 'waits') === true) return 'The pen is inside: draw it out, then touch.';
     if (now_ms - this.limit_ms < kLimit_ms) return 'The base is at its limit: it cannot push harder here.';
     if (this.touched || scene?.state !== 'ready') return '';
     if (!live.aim.present) return 'Press on the picture to take the pen.';

@@ -80,6 +80,7 @@ export function forceNote(state: PageState): string {
   if (live === null) return '';
   if (signals.flag(live, 'device fault') === true) return 'no force: the base reports a fault';
   if (signals.flag(live, 'out of reach') === true) return 'no force can be made here';
+  if (signals.flag(live, 'waits') === true) return 'no force: the pen is inside; it is felt once it was outside';
   if (signals.flag(live, 'saturated') === true) return 'cut by what the base can do';
   if (signals.flag(live, 'softened') === true) return 'softer for a while: it made the hand swing; rest for half a second';
   if (signals.flag(live, 'stiffness limited') === true) return 'softer than asked for, to stay stable';
