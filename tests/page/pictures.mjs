@@ -8,22 +8,20 @@ import { launch, Program, Visitor } from './support/trial.mjs';
 
 const folder = process.argv[2];
 const kBlock_m = 0.056; // the clay's top, as it comes
-const kFinger_m = 0.015;
+const kFinger_m = 0.007; // the last step goes further
 const kWide = { width: 1280, height: 800 };
 
 const program = await Program.start(['try', 'extrusion']);
 const browser = await launch();
 const visitor = await Visitor.open(browser, program.address, { viewport: kWide });
 const { page } = visitor;
-// `meanwhile`: what the hand goes on with.
-const shot = async (name, meanwhile = async () => {}) => {
+const shot = async (name) => {
   // By script: the pointer stays where it is, on the pen.
   const detail = () => page.getByRole('button', { name: 'Full detail' }).evaluate((button) => button.click());
   await detail();
   await visitor.drawn();
   await page.waitForTimeout(500);
-  const [picture] = await Promise.all([page.screenshot(), meanwhile()]);
-  writeFileSync(join(folder, name), picture);
+  writeFileSync(join(folder, name), await page.screenshot());
   await detail();
   log(name);
 };
@@ -41,7 +39,7 @@ async function show(name) {
 // Draws the clay's highest point out to `height_m` over its top.
 async function pullOut(height_m) {
   for (let i = 0; i < 200 && !(visitor.highest - kBlock_m > height_m); ++i) {
-    await visitor.lower(-0.8);
+    await visitor.lower(-1.6);
     await page.waitForTimeout(50);
   }
 }
@@ -60,7 +58,7 @@ await ready('extrusion');
 await show('extrusion');
 await visitor.pressOn('block', { held: true });
 await pullOut(kFinger_m);
-await shot('try.png', () => pullOut(kFinger_m + 0.004)); // a pen that rests lets go
+await shot('try.png');
 await visitor.release();
 
 await show('dragon');

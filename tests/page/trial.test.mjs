@@ -46,7 +46,7 @@ scenario('clay is pressed, taken hold of and pulled', async () => {
   visitor.highest = 0.056;
   await visitor.pressOn('block', { held: true });
   for (let i = 0; i < 5; ++i) {
-    await visitor.lower(-6); // a pen that rests for .3 s lets go: one step must do, however slowly the page draws
+    await visitor.lower(-6);
     await visitor.page.waitForTimeout(30);
   }
   await visitor.release();

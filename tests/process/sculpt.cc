@@ -28,6 +28,7 @@ constexpr const char* kPressAndPull = R"({"name": "pull", "repeat": true, "waypo
   {"s": 0.8, "tip_m": [0, 0, 0.050], "axis": [0, 0, -1]},
   {"s": 1.0, "tip_m": [0, 0, 0.066], "axis": [0, 0, -1]},
   {"s": 1.0, "tip_m": [0, 0, 0.066], "axis": [0, 0, -1]},
+  {"s": 0.15, "tip_m": [0, 0, 0.13], "axis": [0, 0, -1]},
   {"s": 0.5, "tip_m": [0, 0, 0.075], "axis": [0, 0, -1]}]})";
 
 std::string ClayFile(const TempFolder& folder) {

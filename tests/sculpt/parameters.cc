@@ -33,6 +33,14 @@ void Grab(SculptHand& hand, double top_m, double depth_m = 0.0015) {
   hand.Rest(250);
 }
 
+// A hand that opens goes with the force until there is little, and stays.
+void Open(SculptHand& hand) {
+  for (int k = 0; k < 2000 && std::abs(hand.force_N().z) > 0.1; ++k) {
+    hand.MoveTo(hand.tip() + Vec3{0, 0, std::copysign(1e-5, hand.force_N().z)});
+  }
+  hand.Rest(700);
+}
+
 TEST(SculptParametersTest, PullingOutMakesABump) {
   SculptHand hand(Sphere(40, kRadius_m), {}, FiveMillimetres());
   SculptEditor& editor = hand.editor();
@@ -42,7 +50,9 @@ TEST(SculptParametersTest, PullingOutMakesABump) {
   hand.Go({0, 0, top_m + 0.006}, 0.03);
   EXPECT_LT(hand.force_N().z, -0.2);  // it resists the pull
   EXPECT_GT(hand.state().offset_m, 0.003);
-  hand.Rest(400);
+  hand.Rest(2000);
+  EXPECT_EQ(hand.state().phase, SculptPhase::kHeld);  // it is pulled
+  Open(hand);
   EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
   EXPECT_FALSE(editor.in_stroke());
   EXPECT_EQ(editor.undo_steps(), 1U);
@@ -113,7 +123,8 @@ TEST(SculptParametersTest, SettlesOnTheGrid) {
   const double top_m = TopOf(hand.editor());
   Grab(hand, top_m);
   hand.Go({0, 0, top_m + 0.006}, 0.03);
-  hand.Rest(600);
+  Open(hand);
+  hand.Rest(200);
   const double steps = hand.state().offset_m / options.grid_step_m;
   EXPECT_GE(steps, 1);
   EXPECT_NEAR(steps, std::round(steps), 1e-9);
@@ -127,8 +138,20 @@ TEST(SculptParametersTest, ReleasesATipAtRestDespiteNoise) {
   hand.Go({0, 0, top_m + 0.006}, 0.03);
   ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
   Random random(9);
-  for (int k = 0; k < 500; ++k) hand.MoveTo({0, 0, top_m + 0.006 + random.Uniform(-6e-4, 6e-4)});  // of 1 ms each
+  const double rest_m = top_m - 0.0015 + hand.state().offset_m + hand.state().start_force_N / 400;
+  for (int k = 0; k < 900; ++k) hand.MoveTo({0, 0, rest_m + random.Uniform(-6e-4, 6e-4)});  // of 1 ms each
   EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
+}
+
+// Also between press and pull, where there is no force.
+TEST(SculptParametersTest, HoldsATipThatMovesSlowly) {
+  SculptHand hand(Sphere(40, kRadius_m), {}, FiveMillimetres());
+  const double top_m = TopOf(hand.editor());
+  Grab(hand, top_m);
+  hand.Go({0, 0, top_m - 0.004}, 0.03);
+  hand.Go({0, 0, top_m + 0.006}, 0.003);
+  EXPECT_EQ(hand.state().phase, SculptPhase::kHeld);
+  EXPECT_GT(hand.state().offset_m, 0.003);
 }
 
 // Press, wait, draw back: the surface comes along, however long the wait and however far the press went in.
@@ -145,8 +168,7 @@ TEST(SculptParametersTest, HoldsWhileItIsPressed) {
   EXPECT_EQ(hand.editor().undo_steps(), 0U);
 }
 
-// A dent is left by a hand that presses no more.
-TEST(SculptParametersTest, LeavesADentWhenThePressIsOver) {
+TEST(SculptParametersTest, LeavesADentWhenTheHandOpens) {
   SculptHand hand(Sphere(40, kRadius_m), {}, FiveMillimetres());
   const double top_m = TopOf(hand.editor());
   Grab(hand, top_m);
@@ -155,8 +177,7 @@ TEST(SculptParametersTest, LeavesADentWhenThePressIsOver) {
   const double dent_m = hand.state().offset_m;
   ASSERT_LT(dent_m, -1e-3);
   ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
-  while (hand.force_N().z > 0.1) hand.Go(hand.tip() + Vec3{0, 0, 1e-5}, 0.01);
-  hand.Rest(350);
+  Open(hand);
   EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
   hand.Go({0, 0, top_m + 0.01}, 0.05);
   EXPECT_NEAR(TopOf(hand.editor()) - top_m, dent_m, 2e-4);

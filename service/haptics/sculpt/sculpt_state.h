@@ -14,8 +14,9 @@ struct SculptToolState {
   SculptPhase phase = SculptPhase::kFree;
   bool armed = true;  // a new grab needs the pen to have let off since the last
   double timer_s = 0;
-  double rested_s = 0;       // that the tip has stayed ...
-  double rest_height_m = 0;  // ... here, over the grip
+  double height_m = 0;       // of the tip over the grip, smoothed
+  double rested_s = 0;       // that it has stayed ...
+  double rest_height_m = 0;  // ... here
   Vec3 grip_base_m;          // tip when taken
   Vec3 normal;               // of the surface when taken
   double start_force_N = 0;

@@ -222,7 +222,7 @@ class App {
     if (this.state.replay) return;
     this.state.live = this.newest;
     this.view.setLive(live);
-    this.hand.setLive(live);
+    this.hand.setLive(live, this.state.signals.flag(live, 'holding') === true);
   }
 
   private takeGarbled(why: string): void {

@@ -32,6 +32,7 @@ export class Hand {
   private enabled = false;
   private aim: Place | null = null; // null: the pen is not there
   private wanted: Place | null = null; // while dragged: beyond the limits too, so that the pointer finds back
+  private open = false; // let go of the pen; what holds it draws it to where it rests
   private sent: Place | null = null;
   private spoke_ms = -Infinity; // when something was sent
   private frame = 0;
@@ -78,7 +79,11 @@ export class Hand {
     this.view.canvas.style.touchAction = on ? 'none' : 'pan-y'; // a page with a view only scrolls under the finger
   }
 
-  setLive(live: Live): void {
+  // `held`: by clay, which lets go of a pen that is neither pressed nor pulled.
+  setLive(live: Live, held: boolean): void {
+    if (!held) this.open = false;
+    const tip = this.view.tip();
+    if (this.open && this.aim !== null && tip !== null) return this.set({ tip, axis: this.aim.axis });
     const busy = this.wanted !== null || this.keys.any || this.frame !== 0 || performance.now() - this.spoke_ms < kIdle_ms;
     if (!this.enabled || busy) return;
     this.aim = live.aim.present ? { tip: live.aim.tip, axis: live.aim.axis } : null;
@@ -115,12 +120,14 @@ export class Hand {
     if (this.aim !== null && !this.isNearPen(x, y, touch)) return false;
     if (this.aim === null) this.start();
     this.wanted = this.aim;
+    this.open = false;
     this.view.holdCamera(true);
     return true;
   }
 
   private drop(): void {
     this.wanted = null;
+    this.open = true;
     this.view.holdCamera(false);
   }
 
@@ -160,6 +167,7 @@ export class Hand {
   // False: no key of the pen.
   private penKey(key: string): boolean {
     const motion = motionOf(key);
+    this.open = false;
     if (motion !== null) {
       if (this.aim === null) {
         this.start();

@@ -118,6 +118,11 @@ export class View {
     this.invalidate();
   }
 
+  // Of the pen; null: it is not there.
+  tip(): Vec3 | null {
+    return this.picture.valid ? this.picture.tip : null;
+  }
+
   describe(): string {
     return describe(this.picture, (object) => this.parts.name(object));
   }
