@@ -245,6 +245,7 @@ void Service::OnPeriod(std::int64_t now_ns) {
   SendForceProperties();
   UpdateSurfaces();
   base_pose_writer_.HandleWritten(base_poses_);
+  FeelField();
   SendBasePoses();
   ReleaseScenes();
   ReleaseLives();
@@ -335,6 +336,17 @@ std::shared_ptr<const BuiltScene> Service::SceneOf(ipc::ClientId id) const {
 const base::InputMapping& Service::MappingOf(const Client* client) const {
   const bool own = client != nullptr && client->app != nullptr && client->app->inputs;
   return own ? client->app->inputs->mapping : options_.inputs.fallback.mapping;
+}
+
+void Service::FeelField() {
+  RoomField field;
+  {
+    const std::lock_guard lock(loop_mutex_);
+    field = field_;
+  }
+  if (field.second_ns == felt_second_ns_) return;
+  felt_second_ns_ = field.second_ns;
+  base_poses_.Feel(field.field_base_T);
 }
 
 void Service::SendForceProperties() {

@@ -68,6 +68,8 @@ class Service : public ipc::ServerHandler {
   void SetStarved(std::string starved);
   // Any thread: what is wrong with sensors or the room. Until the next SetCalibration.
   void SetRoom(std::vector<RoomFinding> findings);
+  // Any thread: the field about the base, each second in which it is known.
+  void SetField(const RoomField& field);
   // Any thread: what forces the device that is attached, or about to be, can make. Detach resets it.
   void SetForceProperties(const protocol::ForceProperties& properties);
   // Any thread: how long there has been neither a client nor an emergency stop.
@@ -105,6 +107,7 @@ class Service : public ipc::ServerHandler {
   void WriteCommands(std::int64_t now_ns);
   void HandOverLife(ipc::ClientId owner);
   void UpdateSurfaces();
+  void FeelField();
   void SendForceProperties();
   void SendBasePoses();
   bool Aligned() const;
@@ -133,6 +136,7 @@ class Service : public ipc::ServerHandler {
   ForceClients force_;
   BasePoseWriter base_pose_writer_;
   BasePoses base_poses_;
+  std::int64_t felt_second_ns_ = 0;  // of the field that it knows
   EmergencyStop stop_;
   std::atomic<std::int64_t> busy_ns_;  // newest period with a client, or with forces stopped
   std::vector<std::string> problems_;  // newest last, at most kMaxProblems
@@ -143,6 +147,7 @@ class Service : public ipc::ServerHandler {
   config::CalibrationChoice calibration_;
   std::string misfit_, starved_;
   std::vector<RoomFinding> room_;
+  RoomField field_;
   protocol::ForceProperties force_properties_;
   std::string device_absent_why_ = "not opened yet";
   base::KeyStates key_states_;

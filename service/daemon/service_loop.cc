@@ -75,6 +75,11 @@ void Service::SetRoom(std::vector<RoomFinding> findings) {
   room_ = std::move(findings);
 }
 
+void Service::SetField(const RoomField& field) {
+  const std::lock_guard lock(loop_mutex_);
+  field_ = field;
+}
+
 void Service::SetForceProperties(const protocol::ForceProperties& properties) {
   const std::lock_guard lock(loop_mutex_);
   force_properties_ = properties;

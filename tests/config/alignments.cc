@@ -29,6 +29,8 @@ AlignmentFile Example() {
                             .rotation_deg = 0.3,
                             .recentred = i,
                             .doubtful = i == 1});
+    if (i == 1) file.entries.back().field_base_T = base::Vec3{1e-6 / 3, -4e-5, 2e-5};
+    file.entries.back().base_moved = i == 1;
   }
   return file;
 }
@@ -57,6 +59,11 @@ TEST(ConfigAlignments, WriteThenParseRoundTripsExactly) {
     EXPECT_EQ(a.rotation_deg, b.rotation_deg);
     EXPECT_EQ(a.recentred, b.recentred);
     EXPECT_EQ(a.doubtful, b.doubtful);
+    EXPECT_EQ(a.base_moved, b.base_moved);
+    ASSERT_EQ(a.field_base_T.has_value(), b.field_base_T.has_value());
+    if (a.field_base_T) {
+      EXPECT_LT(base::Distance(*a.field_base_T, *b.field_base_T), 1e-18);
+    }
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -67,8 +68,9 @@ sim::HandScript HandOf(const Scenario& scenario, const base::DeviceGeometry& dev
 
 struct Reported {
   std::vector<daemon::RoomFinding> last;
-  std::set<std::string> kinds;  // ever reported
-  bool early = false;           // before the event
+  std::set<std::string> kinds;                  // ever reported
+  bool early = false;                           // before the event
+  std::optional<base::Vec3> before_T, after_T;  // field about the base: just before the event, at the end
 };
 
 // `wanted`: ends when it is reported.
@@ -95,6 +97,8 @@ Reported Watch(const Scenario& scenario, const std::string& wanted = {}) {
     base.Write(output->currents);
     if (tick % 100 >= (idle ? static_cast<int>(kIdleDivider) : 1)) continue;
     watch.Add({scan, output->tool});
+    if (watch.field() && tick < 1000 * kEvent_s) reported.before_T = watch.field()->field_base_T;
+    if (watch.field()) reported.after_T = watch.field()->field_base_T;
     for (const daemon::RoomFinding& finding : watch.findings()) {
       reported.kinds.insert(finding.kind);
       reported.early = reported.early || tick < 1000 * kEvent_s;
@@ -252,6 +256,20 @@ TEST_P(RoomWatchAtPeace, UndisturbedRoomHasNoFindings) {
 }
 
 // Ten seconds after the last one.
+// The field about the base is the same one with any pen and without, and follows a change: a base that is turned.
+TEST(RoomWatch, FieldAboutTheBaseIsKnownWithAnyPen) {
+  constexpr double kError_T = 1.5e-6;
+  std::optional<base::Vec3> first_T;
+  for (const Pen pen : {Pen::kAway, Pen::kHeld, Pen::kWaved}) {
+    SCOPED_TRACE(static_cast<int>(pen));
+    const Reported reported = Watch({.pen = pen, .event = AmbientStep});
+    ASSERT_TRUE(reported.before_T && reported.after_T);
+    if (!first_T) first_T = reported.before_T;
+    EXPECT_LT(base::Distance(*reported.before_T, *first_T), kError_T);
+    EXPECT_LT(base::Distance(*reported.after_T, *first_T + base::Vec3{40e-6, 30e-6, 33e-6}), kError_T);
+  }
+}
+
 TEST(RoomWatch, ReportsSoftenedContactsForTenSeconds) {
   daemon::RoomWatch watch(nullptr);
   loop::RoomSample sample;

@@ -15,6 +15,7 @@ constexpr std::size_t kMaxRuntimeBytes = 127, kMaxSystemBytes = 255, kMaxMethodB
 constexpr Range kAnySpace{1, 2'147'483'647};
 constexpr Range kSpacePosition_m{-100, 100};
 constexpr Range kUnit{-1, 1};
+constexpr Range kField_uT{-1000, 1000};
 
 std::string VectorText(const base::Vec3& p) {
   return "[" + TomlFloat(p.x) + ", " + TomlFloat(p.y) + ", " + TomlFloat(p.z) + "]\n";
@@ -64,6 +65,8 @@ AlignmentEntry ReadEntry(FileProblem& problem, const toml::table& table, const s
   entry.recentred = reader.Integer("recentred", {0, 1e9});
   ReadMeasured(reader, table, entry);
   entry.doubtful = reader.Choice("doubtful", kYesNo, "no") == "yes";
+  if (table.contains("field_base_uT")) entry.field_base_T = 1e-6 * reader.Vector("field_base_uT", kField_uT);
+  entry.base_moved = reader.Choice("base_moved", kYesNo, "no") == "yes";
   reader.Finish();
   CheckUnit(problem, table, name, "orientation_space_wxyz", entry.orientation_space);
   if (entry.measured_orientation_space != entry.orientation_space) {
@@ -127,6 +130,8 @@ std::string WriteAlignments(const AlignmentFile& file) {
     text +=
         "rotation_deg = " + TomlFloat(entry.rotation_deg) + "\nrecentred = " + std::to_string(entry.recentred) + "\n";
     if (entry.doubtful) text += "doubtful = \"yes\"\n";
+    if (entry.field_base_T) text += "field_base_uT = " + VectorText(1e6 * *entry.field_base_T);
+    if (entry.base_moved) text += "base_moved = \"yes\"\n";
     if (entry.recentred == 0) continue;
     text += "measured_position_space_m = " + VectorText(entry.measured_position_space_m);
     text += "measured_orientation_space_wxyz = " + QuatText(entry.measured_orientation_space);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,10 @@ struct AlignmentEntry {
   double rotation_deg = 0;       // 1 sigma
   int recentred = 0;             // changes of the space that were applied since it was measured
   bool doubtful = false;         // the space was moved, and it is not known where to
+  // Of the earth and the room, where the base stood then. Empty: not known yet.
+  std::optional<base::Vec3> field_base_T;
+  bool base_moved = false;  // it is another one now: the base was turned or carried
+  bool IsTrusted() const { return !doubtful && !base_moved; }
 };
 
 struct AlignmentFile {

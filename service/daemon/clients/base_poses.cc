@@ -176,6 +176,31 @@ void BasePoses::Doubt(std::size_t index) {
   (void)Save();
 }
 
+void BasePoses::Feel(const base::Vec3& field_base_T) {
+  const bool same = base::Distance(field_base_T, steady_field_T_) < kSteady_T;
+  steady_s_ = same ? steady_s_ + 1 : 0;
+  if (!same) steady_field_T_ = field_base_T;
+  bool changed = false;
+  for (std::size_t i = 0; i < file_.entries.size(); ++i) {
+    config::AlignmentEntry& entry = file_.entries[i];
+    if (!entry.field_base_T) {
+      if (steady_s_ < kSteady_s) continue;
+      entry.field_base_T = field_base_T;
+      changed = true;
+      continue;
+    }
+    const double change_T = base::Distance(field_base_T, *entry.field_base_T);
+    const bool moved = change_T > (entry.base_moved ? kBack_T : kMoved_T);
+    live_[i].field_s = moved != entry.base_moved ? live_[i].field_s + 1 : 0;
+    if (live_[i].field_s < kMoved_s) continue;
+    live_[i].field_s = 0;
+    entry.base_moved = moved;
+    changed = true;
+    Changed(i);
+  }
+  if (changed) (void)Save();
+}
+
 base::Status BasePoses::Save() {
   if (!readable_) return base::Error{problem_ + "; correct the file or move it away, then restart omnid"};
   if (path_.empty()) return base::Error{"omnid has no home folder to keep alignments in; set XDG_CONFIG_HOME"};
@@ -210,6 +235,7 @@ BasePoses::Done BasePoses::Store(const protocol::BasePoseCommand& command, std::
   SetPose(alignment::Compose(ToRigid(command.base_space), {}), entry);  // the quaternion to unit length
   entry.measured_orientation_space = entry.orientation_space;
   entry.measured_position_space_m = entry.position_space_m;
+  steady_s_ = 0;
   Changed(static_cast<std::size_t>(found));
   if (auto saved = Save(); !saved.ok()) {
     file_ = before;
@@ -245,11 +271,13 @@ BasePoses::Done BasePoses::Restore(const protocol::BasePoseCommand& command) {
   const int found = Find(command.headset, command.space);
   if (found < 0) return {false, "no such alignment is stored; see omni align --show"};
   config::AlignmentEntry& entry = file_.entries[static_cast<std::size_t>(found)];
-  if (entry.recentred == 0 && !entry.doubtful) return {false, "its space has not moved since it was measured"};
+  if (entry.recentred == 0 && entry.IsTrusted()) return {false, "its space has not moved since it was measured"};
   const config::AlignmentEntry before = entry;
   SetPose(MeasuredPoseOf(entry), entry);
   entry.recentred = 0;
-  entry.doubtful = false;
+  entry.doubtful = entry.base_moved = false;
+  entry.field_base_T.reset();  // the base stands where it stood, says who restores it
+  steady_s_ = 0;
   Changed(static_cast<std::size_t>(found));
   if (auto saved = Save(); !saved.ok()) {
     entry = before;
@@ -294,7 +322,7 @@ void BasePoses::Notify(const std::function<bool(ipc::ClientId, const protocol::B
       const base::Quat& q = entry.orientation_space;
       const base::Vec3& p = entry.position_space_m;
       base_pose.known = 1;
-      base_pose.doubtful = entry.doubtful ? 1 : 0;
+      base_pose.doubtful = entry.IsTrusted() ? 0 : 1;
       base_pose.space = entry.space;
       base_pose.base_space = {.position_m = {p.x, p.y, p.z}, .orientation_wxyz = {q.w, q.x, q.y, q.z}};
       base_pose.expected_error_m = 1e-3 * entry.expected_error_mm;
@@ -316,7 +344,7 @@ bool BasePoses::Aligned(ipc::ClientId id) const {
   const auto client = clients_.find(id);
   if (client == clients_.end() || file_.uncalibrated == config::UncalibratedPolicy::kOff) return false;
   const int found = FindFor(client->second.request);
-  return found >= 0 && !file_.entries[static_cast<std::size_t>(found)].doubtful;
+  return found >= 0 && file_.entries[static_cast<std::size_t>(found)].IsTrusted();
 }
 
 }  // namespace omni::daemon

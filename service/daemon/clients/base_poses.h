@@ -29,6 +29,16 @@ class BasePoses {
   // An implausible one leaves the alignment where it is, but doubtful. `now_ns`: CLOCK_MONOTONIC.
   void Change(ipc::ClientId id, const protocol::SpaceChange& change, std::int64_t now_ns);
 
+  // Once a second, while it is known: the uniform field about the base. A base that is turned, or carried to where iron
+  // bends the earth's field otherwise, sees another one: the alignments measured before are doubtful until the field is
+  // back. Moving it along the desk changes nothing that can be seen.
+  static constexpr double kMoved_T = 15e-6;  // 20 degrees in 45 uT; more than what is laid on a desk adds
+  static constexpr double kBack_T = 1.5e-6;  // 2 degrees
+  static constexpr int kMoved_s = 5;         // in a row, either way
+  static constexpr double kSteady_T = 3e-6;  // of a field that is kept with an alignment ...
+  static constexpr int kSteady_s = 20;  // ... once it was steady for so long: a controller is near while one aligns
+  void Feel(const base::Vec3& field_base_T);
+
   struct Done {
     bool ok = false;
     std::string text;  // for people
@@ -54,6 +64,7 @@ class BasePoses {
   struct Live {  // of file_.entries, same index
     std::int64_t changes_until_ns = 0;
     std::uint64_t revision = 0;
+    int field_s = 0;  // that the field has spoken against `base_moved`
   };
   struct Client {
     protocol::BasePoseRequest request;
@@ -80,6 +91,8 @@ class BasePoses {
   std::vector<Live> live_;
   std::map<ipc::ClientId, Client> clients_;
   std::uint64_t revisions_ = 0;
+  base::Vec3 steady_field_T_;
+  int steady_s_ = 0;
 };
 
 }  // namespace omni::daemon

@@ -207,6 +207,7 @@ json Alignments(const config::AlignmentFile& file) {
                     {"rotation_deg", entry.rotation_deg},
                     {"recentred", entry.recentred},
                     {"doubtful", entry.doubtful},
+                    {"base_moved", entry.base_moved},
                     {"moved_m", MovedSinceMeasured_m(entry)},
                     {"position_space_m", {p.x, p.y, p.z}},
                     {"orientation_space_wxyz", {q.w, q.x, q.y, q.z}}});

@@ -165,7 +165,9 @@ void DeviceKeeper::WatchRoom() {
   const loop::RoomSample& sample = session_->loop.room().Read();
   magnets_.Add(sample.tool, static_cast<std::int64_t>(std::time(nullptr)));
   const bool stored = magnets_.HandleWritten();
-  if (!room.Add(sample) && !stored) return;
+  const bool news = room.Add(sample);
+  if (room.field()) service_.SetField(*room.field());
+  if (!news && !stored) return;
   LogNew(room.findings(), before, spdlog::level::warn, "");
   LogNew(before, room.findings(), spdlog::level::info, "no longer: ");
   SetRoom();

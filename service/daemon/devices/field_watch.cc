@@ -65,6 +65,10 @@ RoomFinding UnevenChanged() {
 FieldWatch::FieldWatch(const base::Calibration& calibration) : calibration_(calibration) {
   auto solver = tracker::StaticSolver::Make(calibration, PenOptions());
   if (solver.ok()) solver_.emplace(std::move(*solver));
+  for (const base::SensorCalibration& sensor : calibration_.sensors) {
+    const RowMajor3d gain = Eigen::Map<const RowMajor3d>(sensor.gain_sensor_base.data());
+    calibrated_T_ += gain.inverse() * base::ToEigen(sensor.background_sensor_T) / base::kSensorCount;
+  }
 }
 
 void FieldWatch::Add(const loop::RoomSample& sample) {
@@ -86,6 +90,7 @@ void FieldWatch::Add(const loop::RoomSample& sample) {
 }
 
 void FieldWatch::EndSecond(std::uint32_t useless, bool contradicted) {
+  field_T_.reset();
   if (contradicted) {
     if (has_fitted_) is_magnet_.Add(true);  // a calibration that fitted still fits: something new is near
   } else if (IsMostly(second_.tracked, second_.samples)) {
@@ -106,6 +111,7 @@ void FieldWatch::JudgeTracked() {
   wanders_.Add(stray && spread_T > kWanders_T);
   is_uniform_.Add(ambient_T.norm() > (is_uniform_.holds() ? kSteady_T : kUniform_T));
   is_uneven_.Add(false);
+  if (!stray) field_T_ = calibrated_T_ + ambient_T;
   if (ambient_T.norm() > kSteady_T) uniform_T_ = ambient_T.norm();
 }
 
@@ -128,6 +134,7 @@ void FieldWatch::JudgeResting(std::uint32_t useless) {
   const double uneven_T = std::sqrt((usable.colwise() - uniform_T).squaredNorm() / (3 * used));
   const bool even = uneven_T < std::max(kEven * uniform_T.norm(), kUneven_T);
   const bool from_afar = uneven_T < kEven * uniform_T.norm();
+  if (even) field_T_ = calibrated_T_ + uniform_T;
   is_magnet_.Add(false);
   wanders_.Add(false);
   is_uniform_.Add(from_afar && uniform_T.norm() > (is_uniform_.holds() ? kSteady_T : kUniform_T));

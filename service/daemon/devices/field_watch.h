@@ -31,6 +31,9 @@ class FieldWatch {
   // sensors explains the readings.
   void EndSecond(std::uint32_t useless, bool contradicted);
   void Report(std::vector<RoomFinding>& findings) const;
+  // Of the last second in which it was found: the uniform field about the base, base frame. Empty: a magnet is near, or
+  // nothing was judged in that second.
+  const std::optional<Eigen::Vector3d>& field_T() const noexcept { return field_T_; }
   bool magnet_near() const noexcept { return is_magnet_.holds(); }
 
  private:
@@ -49,8 +52,10 @@ class FieldWatch {
   base::Calibration calibration_;
   std::optional<tracker::StaticSolver> solver_;
   Second second_;
-  bool has_fitted_ = false;  // poses have explained the readings of a whole second
-  double uniform_T_ = 0;     // of the last second in which it was found
+  bool has_fitted_ = false;                                 // poses have explained the readings of a whole second
+  Eigen::Vector3d calibrated_T_ = Eigen::Vector3d::Zero();  // uniform part of the calibration's background
+  std::optional<Eigen::Vector3d> field_T_;
+  double uniform_T_ = 0;                                              // of the last second in which it was found
   Verdict is_magnet_{3}, wanders_{5}, is_uniform_{3}, is_uneven_{3};  // an approaching magnet wanders too
 };
 

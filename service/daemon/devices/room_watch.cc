@@ -101,7 +101,9 @@ void RoomWatch::EndSecond() {
   if (!enough) return;
   sensors_.EndSecond();
   pen_.EndSecond();
-  if (field_) field_->EndSecond(sensors_.useless(), contradicted && !IsExplained());
+  if (!field_) return;
+  field_->EndSecond(sensors_.useless(), contradicted && !IsExplained());
+  if (field_->field_T() && !IsExplained()) room_field_ = RoomField{base::FromEigen(*field_->field_T()), second_ns_};
 }
 
 std::vector<RoomFinding> RoomWatch::Report() const {

@@ -44,6 +44,8 @@ class RoomWatch {
   // The newest sample, about ten times a second; a repeated one is ignored. True: the findings have changed.
   bool Add(const loop::RoomSample& sample);
   const std::vector<RoomFinding>& findings() const noexcept { return findings_; }
+  // The uniform field about the base, base frame, and the second it is of; empty: not known.
+  const std::optional<RoomField>& field() const noexcept { return room_field_; }
   // The findings say why no pose explains the readings; the calibration is not to blame.
   bool explains_misfit() const noexcept;
 
@@ -62,6 +64,7 @@ class RoomWatch {
   int softened_s_ = 0;                             // seconds for which the last swing is still reported
   bool softened_ = false;                          // in this second
   std::vector<RoomFinding> findings_;
+  std::optional<RoomField> room_field_;
 };
 
 }  // namespace omni::daemon

@@ -103,6 +103,9 @@ std::string StoredAlignmentsText(const nlohmann::json& status) {
         (TrueAt(row, "/doubtful") ? ", DOUBTFUL: the headset's space moved by an unknown amount; align again, or "
                                     "restore it as measured: omni align --restore"
                                   : "") +
+        (TrueAt(row, "/base_moved") ? ", DOUBTFUL: the base was turned or carried, as the field about it says; align "
+                                      "again, or if it stands where it stood: omni align --restore"
+                                    : "") +
         "\n";
   }
   if (number == 0) text = "no alignment is stored; measure one: omni align\n";

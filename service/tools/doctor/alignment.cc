@@ -11,6 +11,11 @@ namespace omni::tools {
 Finding CheckAlignment(const Surroundings& surroundings) {
   const auto& status = surroundings.service.status;
   if (TrueAt(status, "/aligned")) return {Verdict::kOk, "aligned with the headset", {}};
+  for (const nlohmann::json& row : ArrayAt(status, "/alignments/stored")) {
+    if (!TrueAt(row, "/base_moved")) continue;
+    return {Verdict::kWarn, "the base was turned or carried since it was aligned with " + TextAt(row, "/system"),
+            "run omni align again; if it stands where it stood: omni align --restore", "omni align"};
+  }
   if (const auto& stored = ArrayAt(status, "/alignments/stored"); !stored.empty()) {
     return {Verdict::kOk,
             std::to_string(stored.size()) + " stored (omni align --show), but no running application uses one",

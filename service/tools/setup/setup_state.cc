@@ -83,9 +83,9 @@ StepState AlignmentState(const json& /*status*/) {
   if (!file.ok()) return Known(false, file.error());
   if (file->entries.empty()) return Known(false, "no headset is aligned: the base is assumed in front of the person");
   for (const config::AlignmentEntry& entry : file->entries) {
-    if (!entry.doubtful) return Known(true, entry.system + ", " + entry.date.substr(0, 10));
+    if (entry.IsTrusted()) return Known(true, entry.system + ", " + entry.date.substr(0, 10));
   }
-  return Known(false, "the headset's space has moved since: align again");
+  return Known(false, "the headset's space or the base has moved since: align again");
 }
 
 StepState InputsState(const json& /*status*/) {
