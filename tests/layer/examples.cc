@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
@@ -11,6 +12,7 @@
 #include <thread>
 
 #include "tests/layer/support/app.h"
+#include "tests/layer/support/scene_messages.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::test {
@@ -134,6 +136,51 @@ TEST(Examples, ForceRunsItsThreeParts) {
   for (const char* part : {"a breeze", "a table", "honey"})
     EXPECT_NE(run.out.find(part), std::string::npos) << part << " is missing in: " << run.out;
   EXPECT_GT(service.heard().forces.size(), 10u) << "a breeze is renewed every frame";
+}
+#endif
+
+#ifdef OMNI_BLOCK_EXAMPLE
+TEST(Examples, BlockNeedsTheLayer) {
+  const ExampleRun run = RunExample("XR_ENABLE_API_LAYERS=", "omni_block --seconds 0.3", [] {});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.err.find("omni_block: no layer offers XR_OMNIX1_haptic_scene"), std::string::npos) << run.err;
+}
+
+// One document, which rises and sinks, and feels in three ways.
+TEST(Examples, BlockIsSentMovedAndChanged) {
+  constexpr double kRise_m = 0.003;
+  FakeService service;
+  service.AnswerScenes([](const protocol::HapticSceneLoad& load) -> std::vector<std::string> {
+    return {SceneTableMessage(load.number, TwoNodes()),
+            SceneStateMessage(load.number, protocol::HapticSceneStatus::kReady, 9, "")};
+  });
+  const ExampleRun run = RunExample(kWithLayer, "omni_block --seconds 1", [&] { service.Fill(); });
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  EXPECT_GT(run.Count("frames"), 10) << run.out;
+  for (const char* part : {"rubber", "ice", "ribs"})
+    EXPECT_NE(run.out.find(part), std::string::npos) << part << " is missing in: " << run.out;
+  const Heard heard = service.heard();
+  ASSERT_EQ(heard.scene_documents.size(), 1u);
+  EXPECT_EQ(heard.scene_documents[0].rfind("glTF", 0), 0u);
+  EXPECT_EQ(heard.scene_materials.size(), 3u);
+  ASSERT_GT(heard.scene_nodes.size(), 10u);
+  double highest_m = 0;
+  for (const protocol::HapticNodes& moved : heard.scene_nodes) {
+    ASSERT_EQ(moved.count, 1u);
+    highest_m = std::max(highest_m, moved.nodes[0].pose.position_m[2]);
+  }
+  EXPECT_GT(highest_m, kRise_m);
+}
+
+TEST(Examples, BlockReportsWhyItsSceneIsRefused) {
+  FakeService service;
+  service.AnswerScenes([](const protocol::HapticSceneLoad& load) -> std::vector<std::string> {
+    return {SceneStateMessage(load.number, protocol::HapticSceneStatus::kFailed, 0, "/meshes/0: is broken")};
+  });
+  const ExampleRun run = RunExample(kWithLayer, "omni_block --seconds 1", [&] { service.Fill(); });
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.err.find("omni_block: the scene is refused: /meshes/0: is broken"), std::string::npos) << run.err;
 }
 #endif
 

@@ -81,6 +81,7 @@ TEST_F(Installed, ContainsEveryFile) {
                            "bin/omni_align_probe",
                            "bin/omni_touch",
                            "bin/omni_force",
+                           "bin/omni_block",
                            "bin/scene_render",
                            "include/openxr/omni_force_feedback.h",
                            "lib/systemd/user/omnid.service",
@@ -115,8 +116,10 @@ TEST_F(Installed, ExamplesBuildAgainstInstalledHeaders) {
       Run("unset LD_PRELOAD; cmake -S \"$P/share/doc/libomni-dev/examples\" -B \"$P/../examples\" "
           "-DCMAKE_PREFIX_PATH=\"$P\" && cmake --build \"$P/../examples\"");
   ASSERT_EQ(built.status, 0) << built.text;
-  const Ran help = Run("\"$P/../examples/omni_force\" --help");
-  EXPECT_EQ(help.status, 0) << help.text;
+  for (const char* name : {"omni_force", "omni_block"}) {
+    const Ran help = Run("\"$P/../examples/" + std::string(name) + "\" --help");
+    EXPECT_EQ(help.status, 0) << help.text;
+  }
   const Ran flags = Run("PKG_CONFIG_PATH=\"$P/share/pkgconfig\" pkg-config --cflags omni");
   EXPECT_EQ(flags.status, 0) << flags.text;
   EXPECT_NE(flags.text.find("/include"), std::string::npos) << flags.text;
