@@ -100,7 +100,7 @@ constexpr InputMapping DefaultMapping() noexcept {
   feed(InputComponent::kSqueeze, InputSource::kDetent);
   feed(InputComponent::kThumbstickX, InputSource::kThumbstickX);
   feed(InputComponent::kThumbstickY, InputSource::kThumbstickY);
-  feed(InputComponent::kThumbstickClick, InputSource::kDwell);
+  feed(InputComponent::kThumbstickClick, InputSource::kFlickAxial);
   feed(InputComponent::kDocked, InputSource::kAway);
   return mapping;
 }

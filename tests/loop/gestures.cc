@@ -75,6 +75,10 @@ class Hand {
   }
 
   int Times(InputSource source) const { return times_[static_cast<std::size_t>(source)]; }
+  // Of a component of the default mapping.
+  std::uint32_t Presses(base::InputComponent component) const {
+    return tracker_.inputs.components[static_cast<std::size_t>(component)].press_count;
+  }
   double stiffness_N_m() const { return stiffness_N_m_; }
 
  private:
@@ -241,6 +245,24 @@ TEST(Gestures, DwellStartsWhenStillAndEndsWithMoving) {
     hand.Move(1.5, [](double t) { return Vec3{0.015 + 0.01 * t, 0, -0.001}; });
     EXPECT_EQ(hand.Times(InputSource::kDwell), 1) << "a tip that slides does not dwell; seed " << seed;
     EXPECT_EQ(hand.Times(InputSource::kHoverDwell), 1) << seed;
+  }
+}
+
+// Who touches and stays means nothing by it.
+TEST(Gestures, HeldTouchPressesOnlySelect) {
+  using base::InputComponent;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Hand hand(8000 + seed);
+    const double depth_m = 0.4 / hand.stiffness_N_m(), way_m = 0.006 + depth_m;
+    hand.Hold(0.3, {0, 0, 0.006});
+    hand.Move(0.3, [&](double t) { return Vec3{0, 0, 0.006 - t * way_m / 0.3}; });
+    hand.Hold(3, {0, 0, -depth_m});
+    hand.Move(0.3, [&](double t) { return Vec3{0, 0, -depth_m + t * way_m / 0.3}; });
+    EXPECT_EQ(hand.Presses(InputComponent::kSelect), 1U) << seed;
+    for (const auto component : {InputComponent::kThumbstickClick, InputComponent::kSecondary, InputComponent::kMenu,
+                                 InputComponent::kSqueeze}) {
+      EXPECT_EQ(hand.Presses(component), 0U) << seed << ", component " << static_cast<int>(component);
+    }
   }
 }
 
