@@ -2,6 +2,10 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "layer/src/spaces/pose_math.h"
 #include "tests/layer/support/app.h"
 
 namespace omni::test {
@@ -190,6 +194,36 @@ TEST_F(ProfilesChoice, DpadPathsAreAcceptedButInactiveForThePen) {
   ASSERT_TRUE(app.WaitProfile(service, kGeneric));
   EXPECT_FALSE(app.Bool(app.select, app.right).isActive);
   EXPECT_TRUE(app.Float(app.force, app.right).isActive);
+}
+
+// [semantic-paths-standard-pose-identifiers] x is normal to the palm in both poses; the handle leaves the hand between
+// the direction of the straightened finger, -z, and the thumb's side, +y. Limits of the conformance suite.
+TEST_F(ProfilesChoice, PalmIsTiltedAgainstTheGrip) {
+  constexpr double kMostX_deg = 75, kMostZ_deg = 90, kMostY_deg = 85;
+  setenv("OMNI_TEST_RUNTIME_EXTENSIONS", "XR_EXT_palm_pose", 1);
+  FakeService service;
+  AppOptions options = Unattached({"XR_EXT_palm_pose"});
+  options.mx_ink_extension = true;
+  App app(options);
+  const XrAction grip = app.MakeAction(app.set, "grip", XR_ACTION_TYPE_POSE_INPUT);
+  ASSERT_EQ(app.Suggest(kMxInk, {{app.pose, "/user/hand/right/input/palm_ext/pose"},
+                                 {grip, "/user/hand/right/input/grip/pose"}}),
+            XR_SUCCESS);
+  ASSERT_EQ(app.Attach(), XR_SUCCESS);
+  ASSERT_TRUE(app.SyncUntil(service, [&] { return app.PoseActive(grip, app.right); }));
+  XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
+  ASSERT_EQ(xrLocateSpace(app.ActionSpace(app.pose, app.right), app.ActionSpace(grip, app.right),
+                          Now_ns() + kRuntimeOffset_ns, &location),
+            XR_SUCCESS);
+  ASSERT_NE(location.locationFlags & XR_SPACE_LOCATION_ORIENTATION_VALID_BIT, 0U);
+  const glm::dquat q = layer::FromXr(location.pose).q;
+  const auto angle_deg = [](const glm::dvec3& a, const glm::dvec3& b) {
+    return glm::degrees(std::acos(std::clamp(glm::dot(a, b), -1.0, 1.0)));
+  };
+  EXPECT_LT(angle_deg({1, 0, 0}, q * glm::dvec3(1, 0, 0)), kMostX_deg);
+  EXPECT_LT(angle_deg({0, 0, 1}, q * glm::dvec3(0, 0, 1)), kMostZ_deg);
+  EXPECT_LT(angle_deg({0, 0, -1}, q * glm::dvec3(0, 1, 0)), kMostY_deg);
+  EXPECT_GE(location.pose.position.x, -1e-4f) << "of a right hand: not left of the pen";
 }
 
 // [semantic-paths-standard-pose-identifiers] poses that extensions add exist on every profile, if enabled.
