@@ -157,6 +157,7 @@ TEST_F(Automation, InvalidArgumentsReturnSpecifiedErrors) {
   EXPECT_EQ(f.active(app.session, 987654321, app.right, XR_TRUE), XR_ERROR_PATH_INVALID);
   EXPECT_EQ(f.active(app.session, app.Path(kTouch), app.left, XR_TRUE), XR_ERROR_FUNCTION_UNSUPPORTED)
       << "the runtime's hand, and the runtime has no such extension";
+  EXPECT_EQ(f.active(app.session, app.Path(kTouch), app.left, XR_FALSE), XR_SUCCESS) << "it is inactive already";
   ASSERT_EQ(f.active(app.session, app.Path(kTouch), app.right, XR_TRUE), XR_SUCCESS);
   EXPECT_EQ(f.set_bool(app.session, app.right, app.Path("/user/hand/right/input/x/click"), XR_TRUE),
             XR_ERROR_PATH_UNSUPPORTED);

@@ -73,8 +73,12 @@ XrResult SetScalar(const Target& t, XrPath source, float value) {
 XRAPI_ATTR XrResult XRAPI_CALL SetActive(XrSession session, XrPath profile, XrPath top_level, XrBool32 active) {
   return Guarded([&] {
     const Target t = Find(session, top_level);
-    if (!t.device)
-      return PassOn<PFN_xrSetInputDeviceActiveEXT>(t, "xrSetInputDeviceActiveEXT", session, profile, top_level, active);
+    if (!t.device) {
+      const XrResult below =
+          PassOn<PFN_xrSetInputDeviceActiveEXT>(t, "xrSetInputDeviceActiveEXT", session, profile, top_level, active);
+      // A hand that has no test device is inactive already.
+      return below == XR_ERROR_FUNCTION_UNSUPPORTED && !active ? XR_SUCCESS : below;
+    }
     const std::string path = t.instance->PathText(profile);
     if (path.empty()) return XR_ERROR_PATH_INVALID;
     const auto& all = t.instance->profiles;
