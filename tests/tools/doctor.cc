@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "service/tools/doctor/diagnosis.h"
 #include "service/tools/doctor/doctor_text.h"
@@ -87,6 +88,17 @@ TEST_F(Doctor, XdgVariablesReplaceTheirStandardFolders) {
   const std::string below = "/openxr/1/api_layers/implicit.d";
   EXPECT_EQ(LayerFolders(there_, true), (std::vector<fs::path>{"/c" + below, there_.System("/etc" + below),
                                                                "/a" + below, "/b" + below, "/home/data" + below}));
+}
+
+TEST_F(Doctor, SaysThatDebian12HasNoRuntime) {
+  EXPECT_EQ(LookForRuntime(there_).fix.find("Debian 12"), std::string::npos);
+  fs::create_directories(there_.System("/etc"));
+  std::ofstream(there_.System("/etc/os-release")) << "NAME=\"Debian GNU/Linux\"\nVERSION_ID=\"13\"\nID=debian\n";
+  EXPECT_EQ(LookForRuntime(there_).fix.find("Debian 12"), std::string::npos);
+  std::ofstream(there_.System("/etc/os-release")) << "VERSION_ID=\"12\"\nID=debian\n";
+  const Finding finding = LookForRuntime(there_);
+  EXPECT_EQ(finding.verdict, Verdict::kFail);
+  EXPECT_NE(finding.fix.find("Debian 12 has no package of one"), std::string::npos) << finding.fix;
 }
 
 // The loader's JSON reader allows them.
