@@ -111,6 +111,42 @@ TEST(ToolsCalibrateTip, RejectsPenThatIsNotTiltedSlidesOrIsLost) {
   expect({}, {"ended before this step was done", "dimple"});
 }
 
+// A computer that is busy for a while, again and again: it misses half of the samples.
+class Starved final : public GuidedSession {
+ public:
+  explicit Starved(TipSession& session) : session_(session) {}
+  base::CoilCurrents Add(const base::HallScan& scan) override {
+    constexpr std::uint64_t kPeriod = 40, kAwake = 20;  // scans
+    return scan.sequence % kPeriod < kAwake ? session_.Add(scan) : base::CoilCurrents{};
+  }
+  bool done() const override { return session_.done(); }
+  int step_number() const override { return session_.step_number(); }
+  double progress() const override { return session_.progress(); }
+  std::string Instruction() const override { return session_.Instruction(); }
+  std::string Hint() const override { return session_.Hint(); }
+
+ private:
+  TipSession& session_;
+};
+
+TEST(ToolsCalibrateTip, BusyComputerIsNotTakenForAWrongTip) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const Held held(config::RoomTwin(), seed);
+    const auto twin = sim::MakeVirtualTwin(
+        held.device,
+        {.seed = seed, .script = MakePivotingHand({.rest_s = 4, .swing_s = 40, .seed = seed}), .truth = held.truth},
+        95);
+    TipSession session(held.calibration, held.device.magnet.tip_offset_m + 9e-3);  // a drawing of another pen
+    Starved starved(session);
+    const base::Status ran = RunSession(*twin, starved, [] {});
+    ASSERT_TRUE(ran.ok()) << ran.error();
+    const auto tip = session.Finish();
+    ASSERT_FALSE(tip.ok()) << seed;
+    EXPECT_NE(tip.error().find("this computer was busy and missed"), std::string::npos) << tip.error();
+    EXPECT_NE(tip.error().find("close other programs"), std::string::npos) << tip.error();
+  }
+}
+
 // Rms distance of the tick's device point from the dimple that the tip rests in.
 double OffDimple_m(const Held& held, const base::Calibration& calibration) {
   const PivotingHand hand{.seed = 99};

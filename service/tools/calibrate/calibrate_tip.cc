@@ -13,8 +13,9 @@ namespace {
 constexpr int kRestScans = 500;
 constexpr double kRest_m = 1e-3;  // a hand that holds still
 constexpr int kSwingScans = 10'000;
-constexpr int kLostScans = 10'000;  // as many: the pen is not near enough, or the base is not as it was
-constexpr int kMeanScans = 100;     // averaged per pose: reduces noise and preserves p + d u = c, which is linear
+constexpr int kLostScans = 10'000;    // as many: the pen is not near enough, or the base is not as it was
+constexpr double kMostMissed = 0.01;  // of all scans: with more, this computer is to blame before the pen
+constexpr int kMeanScans = 100;       // averaged per pose: reduces noise and preserves p + d u = c, which is linear
 
 std::string Seconds(int scans) {
   return std::to_string(static_cast<int>(std::lround(scans * base::kTickPeriod_s))) + " s";
@@ -30,7 +31,14 @@ void AddShare(const base::Vec3& v, base::Vec3& mean) {
 TipSession::TipSession(const base::Calibration& calibration, double drawn_m)
     : config_(tracker::MakeConfig(calibration)), drawn_m_(drawn_m), expected_error_m_(calibration.expected_error_m) {}
 
+void TipSession::CountMissed(const base::HallScan& scan) {
+  if (scans_ > 0 && scan.sequence > last_sequence_) missed_scans_ += scan.sequence - last_sequence_ - 1;
+  last_sequence_ = scan.sequence;
+  ++scans_;
+}
+
 base::CoilCurrents TipSession::Add(const base::HallScan& scan) {
+  CountMissed(scan);
   base::ToolState tool;
   tracker::Update(config_, scan, state_, tool);
   if (step_ == TipStep::kRest) {
@@ -104,7 +112,12 @@ base::Result<calibration::Tip> TipSession::Finish() const {
                        " needed, and lost as long: stay within a hand's breadth of the ball, "
                        "move other magnets and steel away"};
   }
-  return calibration::FindTip(poses_, drawn_m_, expected_error_m_);
+  auto tip = calibration::FindTip(poses_, drawn_m_, expected_error_m_);
+  const double missed = static_cast<double>(missed_scans_) / static_cast<double>(scans_ + missed_scans_);
+  if (tip.ok() || missed <= kMostMissed) return tip;
+  return base::Error{"tip not measured: this computer was busy and missed " +
+                     std::to_string(std::lround(100 * missed)) +
+                     " % of the base's samples; close other programs and measure it again (" + tip.error() + ")"};
 }
 
 }  // namespace omni::tools

@@ -2,6 +2,7 @@
 // of a calibration stays.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,7 @@ class TipSession final : public GuidedSession {
   base::Result<calibration::Tip> Finish() const;
 
  private:
+  void CountMissed(const base::HallScan& scan);
   void AddRest(const base::ToolState& tool);
   void AddSwing(const base::ToolState& tool);
 
@@ -40,7 +42,9 @@ class TipSession final : public GuidedSession {
   double drawn_m_;
   double expected_error_m_;
   TipStep step_ = TipStep::kRest;
-  base::Vec3 rested_base_m_;  // where the magnet was when it came to rest
+  base::Vec3 rested_base_m_;                    // where the magnet was when it came to rest
+  std::uint64_t scans_ = 0, missed_scans_ = 0;  // seen, and not seen between them
+  std::uint64_t last_sequence_ = 0;
   int rest_scans_ = 0;
   int swing_scans_ = 0;          // tracked ...
   int lost_scans_ = 0;           // ... and not, in that step
