@@ -102,7 +102,7 @@ void Service::OnGone(ipc::ClientId id) {
   owners_.Remove(id);
   surfaces_.Remove(id);
   force_.Remove(id);
-  base_poses_.Remove(id);
+  base_poses_.Remove(id, static_cast<std::int64_t>(std::time(nullptr)));
   if (application) WriteCommands(base::MonotonicNow_ns());
 }
 
@@ -200,7 +200,7 @@ struct Service::RequestHandler {
 
   void operator()(const protocol::BasePoseRequest& request) const {
     if (service.clients_.count(id) == 0) return;
-    service.base_poses_.Request(id, request);
+    service.base_poses_.Request(id, request, static_cast<std::int64_t>(std::time(nullptr)));
     service.SendBasePoses();
   }
   void operator()(const protocol::SpaceChange& change) const {

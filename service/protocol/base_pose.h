@@ -80,10 +80,12 @@ struct SpaceChange {
 };
 
 enum class BasePoseAction : std::uint32_t {
-  kStore = 1,   // X_LB and what is known of it
-  kForget = 2,  // of this headset and space; empty runtime: all
-  kPolicy = 3,  // `uncalibrated` for all headsets
-  kRestore = 4  // of this headset and space: as it was measured, before any recentring
+  kStore = 1,    // X_LB and what is known of it
+  kForget = 2,   // of this headset and space; empty runtime: all
+  kPolicy = 3,   // `uncalibrated` for all headsets
+  kRestore = 4,  // of this headset and space: as it was measured, before any recentring
+  // of this headset and space: the base's origin was found at base_space.position_m, its orientation was not measured
+  kCheck = 5
 };
 
 // omni align -> omnid; answered by one BasePoseReply. Tools only.
@@ -99,7 +101,7 @@ struct BasePoseCommand {
   double expected_error_m = 0;
   double rotation_sigma_rad = 0;
   std::uint32_t samples = 0;
-  std::uint32_t reserved = 0;
+  std::uint32_t correct = 0;  // 1: kCheck also moves the placement there
   char method[32] = {};
 };
 

@@ -114,9 +114,10 @@ const char* Problem(const SpaceChange& change) noexcept {
 }
 
 const char* Problem(const BasePoseCommand& command) noexcept {
-  if (command.action < BasePoseAction::kStore || command.action > BasePoseAction::kRestore) {
-    return "action is not in 1..4";
+  if (command.action < BasePoseAction::kStore || command.action > BasePoseAction::kCheck) {
+    return "action is not in 1..5";
   }
+  if (command.correct > 1) return "correct is neither 0 nor 1";
   if (command.uncalibrated > Uncalibrated::kOff) return "uncalibrated is not 0, 1 or 2";
   if (!IsTerminated(command.method)) return "method is not terminated";
   for (const double x : {command.rms_m, command.expected_error_m}) {

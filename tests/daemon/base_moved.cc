@@ -29,7 +29,7 @@ struct Room {
   Listener listener;
 
   Room() {
-    placements.Request(1, Request({kSpaceLocal}));
+    placements.Request(1, Request({kSpaceLocal}), kDate_s);
     Align();
     Feel(kField_T, 2 * BasePoses::kSteady_s);
   }
@@ -50,7 +50,7 @@ TEST(DaemonBaseMoved, TurnedBaseMakesItsAlignmentDoubtful) {
   room.listener.Listen(room.placements);
   EXPECT_EQ(room.listener.reported[1].back().doubtful, 1U) << "applications clear TRACKED";
   BasePoses again(room.path);
-  again.Request(1, Request({kSpaceLocal}));
+  again.Request(1, Request({kSpaceLocal}), kDate_s);
   EXPECT_FALSE(again.Aligned(1)) << "also after a restart";
   // By eye it is put back to within some degrees: not near enough.
   room.Feel(Turned(6 * kDegree), 60);

@@ -14,7 +14,7 @@ TEST(DaemonBasePoses, StoredPlacementIsSentAtOnceAndAfterARestart) {
   Listener listener;
   {
     BasePoses placements(path);
-    placements.Request(1, Request({kSpaceStage, kSpaceLocal}));
+    placements.Request(1, Request({kSpaceStage, kSpaceLocal}), kDate_s);
     listener.Listen(placements);
     ASSERT_EQ(listener.reported[1].size(), 1U);
     EXPECT_EQ(listener.reported[1][0].known, 0U);
@@ -28,7 +28,7 @@ TEST(DaemonBasePoses, StoredPlacementIsSentAtOnceAndAfterARestart) {
   }
   BasePoses again(path);
   EXPECT_EQ(again.problem(), "");
-  again.Request(7, Request({kSpaceStage, kSpaceLocal}));
+  again.Request(7, Request({kSpaceStage, kSpaceLocal}), kDate_s);
   listener.Listen(again);
   const protocol::BasePose& placement = listener.reported[7].back();
   EXPECT_EQ(placement.known, 1U);
@@ -48,9 +48,9 @@ TEST(DaemonBasePoses, AnswersWithTheFirstKnownSpaceOfTheHeadset) {
   ASSERT_TRUE(placements.Execute(Store(kSpaceLocal, 0.2), kDate_s).ok);
   protocol::BasePoseRequest other = Request({kSpaceStage, kSpaceLocal});
   other.headset = Headset("Monado(XRT)", "another headset");
-  placements.Request(1, Request({kSpaceStage, kSpaceLocal}));
-  placements.Request(2, other);
-  placements.Request(3, Request({kSpaceStage}));
+  placements.Request(1, Request({kSpaceStage, kSpaceLocal}), kDate_s);
+  placements.Request(2, other, kDate_s);
+  placements.Request(3, Request({kSpaceStage}), kDate_s);
   Listener listener;
   listener.Listen(placements);
   EXPECT_EQ(listener.reported[1].back().space, kSpaceLocal);
@@ -70,7 +70,7 @@ TEST(DaemonBasePoses, AlignmentSurvivesARuntimeUpdate) {
     BasePoses placements(path);
     protocol::BasePoseRequest request = Request({kSpaceStage});
     request.headset = Headset(runtime);
-    placements.Request(1, request);
+    placements.Request(1, request, kDate_s);
     Listener listener;
     listener.Listen(placements);
     return listener.reported[1].back().known == 1;
@@ -112,7 +112,7 @@ TEST(DaemonBasePoses, NewestAlignmentOfSeveralRuntimeBuildsIsUsed) {
   BasePoses placements(path);
   protocol::BasePoseRequest request = Request({kSpaceStage});
   request.headset = Headset("Monado(XRT) by Collabora et al 'v24.1.0'");
-  placements.Request(1, request);
+  placements.Request(1, request, kDate_s);
   Listener listener;
   listener.Listen(placements);
   EXPECT_EQ(listener.reported[1].back().base_space.position_m[0], 3.0);
@@ -138,7 +138,7 @@ TEST(DaemonBasePoses, ForgetsOneAlignmentOrAll) {
 TEST(DaemonBasePoses, PolicyIsStoredAndSent) {
   const TempFolder temp;
   BasePoses placements(temp.Path("a.toml"));
-  placements.Request(1, Request({kSpaceLocal}));
+  placements.Request(1, Request({kSpaceLocal}), kDate_s);
   protocol::BasePoseCommand policy;
   policy.action = protocol::BasePoseAction::kPolicy;
   policy.uncalibrated = protocol::Uncalibrated::kOff;

@@ -22,7 +22,7 @@ alignment::Rigid PoseOf(const protocol::WirePose& pose) {
 struct AlignedInLocal {
   AlignedInLocal() {
     EXPECT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok);
-    placements.Request(1, Request({kSpaceLocal}));
+    placements.Request(1, Request({kSpaceLocal}), kDate_s);
   }
   const TempFolder temp;
   BasePoses placements{temp.Path("a.toml")};
@@ -37,7 +37,7 @@ TEST(DaemonRecentring, RecentringReportedByManyClientsIsAppliedOnce) {
     const std::string path = temp.Path("a.toml");
     BasePoses placements(path);
     ASSERT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok);
-    for (const ipc::ClientId id : {1, 2}) placements.Request(id, Request({kSpaceLocal}));
+    for (const ipc::ClientId id : {1, 2}) placements.Request(id, Request({kSpaceLocal}), kDate_s);
     Listener listener;
     listener.Listen(placements);
     const alignment::Rigid before = PoseOf(listener.reported[1].back().base_space);
@@ -53,7 +53,7 @@ TEST(DaemonRecentring, RecentringReportedByManyClientsIsAppliedOnce) {
     listener.Listen(placements);
     EXPECT_EQ(listener.reported[1].size(), 1U) << "they moved the base themselves";
     BasePoses again(path);
-    again.Request(3, Request({kSpaceLocal}));
+    again.Request(3, Request({kSpaceLocal}), kDate_s);
     listener.Listen(again);
     const alignment::Rigid after = PoseOf(listener.reported[3].back().base_space);
     const alignment::Rigid in_previous = alignment::Compose(PoseOf(change.new_in_previous), after);
@@ -121,14 +121,14 @@ TEST(DaemonRecentring, RestoreReturnsTheMeasuredPose) {
     EXPECT_FALSE(placements.Execute(restore, kDate_s).ok) << "there is none";
     ASSERT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok);
     EXPECT_FALSE(placements.Execute(restore, kDate_s).ok) << "it has not moved";
-    placements.Request(1, Request({kSpaceLocal}));
+    placements.Request(1, Request({kSpaceLocal}), kDate_s);
     placements.Change(1, Moved(3, kNow_ns), kNow_ns);
     placements.Change(1, Moved(50, kNow_ns + 1'000'000'000), kNow_ns + 1'000'000'000);
     EXPECT_NEAR(placements.file().entries[0].position_space_m.x, -2.9, 1e-12);
     EXPECT_FALSE(placements.Aligned(1));
   }
   BasePoses placements(path);
-  placements.Request(1, Request({kSpaceLocal}));
+  placements.Request(1, Request({kSpaceLocal}), kDate_s);
   Listener listener;
   listener.Listen(placements);
   ASSERT_TRUE(placements.Execute(restore, kDate_s).ok);
@@ -148,7 +148,7 @@ TEST(DaemonRecentring, ChangeToAnUnknownOriginMakesTheAlignmentDoubtful) {
   aligned.placements.Change(1, change, kNow_ns);
   EXPECT_FALSE(aligned.placements.Aligned(1));
   BasePoses again(aligned.temp.Path("a.toml"));
-  again.Request(2, Request({kSpaceLocal}));
+  again.Request(2, Request({kSpaceLocal}), kDate_s);
   Listener listener;
   listener.Listen(again);
   EXPECT_EQ(listener.reported[2].back().known, 1U);
@@ -161,7 +161,7 @@ TEST(DaemonRecentring, IgnoresChangesOfOtherSpacesAndUnknownClients) {
   const TempFolder temp;
   BasePoses placements(temp.Path("a.toml"));
   ASSERT_TRUE(placements.Execute(Store(kSpaceStage), kDate_s).ok);
-  placements.Request(1, Request({kSpaceStage, kSpaceLocal}));
+  placements.Request(1, Request({kSpaceStage, kSpaceLocal}), kDate_s);
   protocol::SpaceChange change;
   change.pose_valid = 1;
   change.changes_at_ns = 1;

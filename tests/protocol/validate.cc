@@ -178,7 +178,7 @@ TEST(Validate, RejectsPlacementsOutOfRange) {
   refused(
       change, [](SpaceChange& c) { c.new_in_previous.position_m[0] = 101; }, "within 100 m");
   refused(
-      BasePoseCommand{}, [](BasePoseCommand& c) { c.action = static_cast<BasePoseAction>(5); }, "action");
+      BasePoseCommand{}, [](BasePoseCommand& c) { c.action = static_cast<BasePoseAction>(6); }, "action");
   refused(
       BasePoseCommand{}, [](BasePoseCommand& c) { c.rms_m = std::nan(""); }, "rms_m");
   refused(

@@ -108,6 +108,9 @@ TEST(ToolsAlignService, ChoosesAlignmentByNumberOrConnectedHeadset) {
   status["alignments"]["stored"][1]["runtime"] = "c 'v1.0-5-g1234567'";
   status["clients"][0]["runtime"] = "c 'v1.1'";
   EXPECT_EQ(ChooseAlignment(status, 0)->base_space.position_m.x, 2) << "another build of the same runtime";
+  status["alignments"]["stored"][0].update(
+      {{"expected_error_mm", 1.0}, {"starts", 3}, {"error_now_mm", 12.2}, {"drifted", true}});
+  ExpectSays(StoredAlignmentsText(status), {"12.2 mm by now, after 3 starts", "--check --correct"});
   status["alignments"]["stored"][1].update({{"recentred", 2}, {"moved_m", 1.25}, {"doubtful", true}});
   ExpectSays(StoredAlignmentsText(status),
              {"adjusted for 2 recentrings, 1.25 m from where it was measured", "--restore"});
@@ -146,6 +149,41 @@ TEST(ToolsAlignSession, EachMethodFindsBaseWithinPredictedError) {
     EXPECT_GT(ratio, 0.5) << AlignMethodName(what.method);
     EXPECT_LT(ratio, 1.5) << AlignMethodName(what.method);
   }
+}
+
+// One touch, some seconds: near enough to see what 10 mm are.
+TEST(ToolsAlignSession, CheckFindsTheFirstMark) {
+  std::vector<double> errors_m, seconds;
+  for (std::uint64_t seed = 100; seed < 160; ++seed) {
+    const test::AlignTrial trial = test::SimulateAlignment(With(AlignMethod::kCheck), {}, seed);
+    ASSERT_FALSE(trial.refused) << seed << ": " << trial.problem;
+    errors_m.push_back(trial.error_m);
+    seconds.push_back(trial.seconds);
+  }
+  std::printf("[ figure   ] simulated: mark 1 within %.1f mm (median), %.1f mm (9 of 10), after %.1f s (median)\n",
+              1e3 * Quantile(errors_m, 0.5), 1e3 * Quantile(errors_m, 0.9), Quantile(seconds, 0.5));
+  EXPECT_LT(Quantile(errors_m, 0.9), 3.5e-3);
+  EXPECT_LT(Quantile(seconds, 0.5), 7);
+}
+
+TEST(ToolsAlignService, BaseFollowsItsTouchedMark) {
+  const alignment::Rigid stored = alignment::Nudged(alignment::LevelBase(), 0.7, {1, 2, 3});
+  const base::Vec3 mark_m{0.05, -0.02, 0.01}, off_m{4e-3, -1e-3, 2e-3};
+  const alignment::Rigid moved = BaseAsTouched(stored, mark_m, alignment::Apply(stored, mark_m) + off_m);
+  EXPECT_NEAR(base::Distance(alignment::Apply(moved, mark_m), alignment::Apply(stored, mark_m) + off_m), 0, 1e-12);
+  EXPECT_EQ(alignment::Angle_rad(moved, stored), 0);
+}
+
+TEST(ToolsAlignService, CheckWantsAnAlignmentOfItsHeadsetAndSpace) {
+  const nlohmann::json row{{"runtime", "Monado(XRT) 'v25.1.0'"},
+                           {"system", "s"},
+                           {"space", 3},
+                           {"position_space_m", {1, 0, 0}},
+                           {"orientation_space_wxyz", {1, 0, 0, 0}}};
+  const nlohmann::json status{{"alignments", {{"stored", {row}}}}};
+  EXPECT_TRUE(AlignmentOf(status, {.runtime = "Monado(XRT) 'v25.2'", .system = "s", .space = 3}).ok());
+  EXPECT_FALSE(AlignmentOf(status, {.runtime = "Monado(XRT)", .system = "s", .space = 2}).ok());
+  EXPECT_FALSE(AlignmentOf(status, {.runtime = "SteamVR", .system = "s", .space = 3}).ok());
 }
 
 TEST(ToolsAlignSession, IsDeterministicForEqualSeeds) {

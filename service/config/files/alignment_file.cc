@@ -48,6 +48,21 @@ void ReadMeasured(TableReader& reader, const toml::table& table, AlignmentEntry&
   entry.measured_orientation_space = ReadQuat(reader, "measured_orientation_space_wxyz");
 }
 
+void ReadDrift(TableReader& reader, const toml::table& table, AlignmentDrift& drift) {
+  if (table.contains("starts")) drift.starts = reader.Integer("starts", {0, 1e6});
+  if (table.contains("checked_mm")) drift.checked_m = 1e-3 * reader.Number("checked_mm", {0, 100'000});
+  if (table.contains("per_start_mm")) drift.per_start_m = 1e-3 * reader.Number("per_start_mm", {0, 100'000});
+  if (table.contains("checks")) drift.checks = reader.Integer("checks", {0, 1e6});
+}
+
+std::string DriftText(const AlignmentDrift& drift) {
+  std::string text = "starts = " + std::to_string(drift.starts) + "\n";
+  if (drift.checked_m > 0) text += "checked_mm = " + TomlFloat(1e3 * drift.checked_m) + "\n";
+  if (drift.checks == 0) return text;
+  return text + "per_start_mm = " + TomlFloat(1e3 * drift.per_start_m) + "\nchecks = " + std::to_string(drift.checks) +
+         "\n";
+}
+
 AlignmentEntry ReadEntry(FileProblem& problem, const toml::table& table, const std::string& name) {
   TableReader reader(problem, table, name);
   AlignmentEntry entry;
@@ -67,6 +82,8 @@ AlignmentEntry ReadEntry(FileProblem& problem, const toml::table& table, const s
   entry.doubtful = reader.Choice("doubtful", kYesNo, "no") == "yes";
   if (table.contains("field_base_uT")) entry.field_base_T = 1e-6 * reader.Vector("field_base_uT", kField_uT);
   entry.base_moved = reader.Choice("base_moved", kYesNo, "no") == "yes";
+  ReadDrift(reader, table, entry.drift);
+  if (table.contains("used")) entry.used = reader.Text("used", kMaxDateBytes);
   reader.Finish();
   CheckUnit(problem, table, name, "orientation_space_wxyz", entry.orientation_space);
   if (entry.measured_orientation_space != entry.orientation_space) {
@@ -132,6 +149,8 @@ std::string WriteAlignments(const AlignmentFile& file) {
     if (entry.doubtful) text += "doubtful = \"yes\"\n";
     if (entry.field_base_T) text += "field_base_uT = " + VectorText(1e6 * *entry.field_base_T);
     if (entry.base_moved) text += "base_moved = \"yes\"\n";
+    text += DriftText(entry.drift);
+    if (!entry.used.empty()) text += "used = " + TomlText(entry.used) + "\n";
     if (entry.recentred == 0) continue;
     text += "measured_position_space_m = " + VectorText(entry.measured_position_space_m);
     text += "measured_orientation_space_wxyz = " + QuatText(entry.measured_orientation_space);

@@ -9,6 +9,7 @@
 
 #include "service/base/result.h"
 #include "service/base/vec.h"
+#include "service/config/files/alignment_drift.h"
 
 namespace omni::config {
 
@@ -36,7 +37,10 @@ struct AlignmentEntry {
   // Of the earth and the room, where the base stood then. Empty: not known yet.
   std::optional<base::Vec3> field_base_T;
   bool base_moved = false;  // it is another one now: the base was turned or carried
-  bool IsTrusted() const { return !doubtful && !base_moved; }
+  AlignmentDrift drift;
+  std::string used;  // when an application last used it, as `date`; empty: not known
+  double ErrorNow_mm() const { return 1e3 * ErrorNow_m(1e-3 * expected_error_mm, drift); }
+  bool IsTrusted() const { return !doubtful && !base_moved && !HasDrifted(1e-3 * expected_error_mm, drift); }
 };
 
 struct AlignmentFile {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <ctime>
 #include <utility>
@@ -74,6 +75,13 @@ bool IsRecentring(const alignment::Rigid& measured, const alignment::Rigid& move
          cosine >= std::cos(protocol::kMostRecentringTilt_rad);
 }
 
+// What was learned of the headset outlives a measurement.
+config::AlignmentDrift Fresh(config::AlignmentDrift drift) {
+  drift.starts = 0;
+  drift.checked_m = 0;
+  return drift;
+}
+
 bool SameHeadset(const config::AlignmentEntry& a, const config::AlignmentEntry& b) {
   return a.space == b.space && a.system == b.system &&
          config::RuntimeIdentity(a.runtime) == config::RuntimeIdentity(b.runtime);
@@ -131,8 +139,36 @@ int BasePoses::FindFor(const protocol::BasePoseRequest& request) const {
   return -1;
 }
 
-void BasePoses::Request(ipc::ClientId id, const protocol::BasePoseRequest& request) {
+void BasePoses::Request(ipc::ClientId id, const protocol::BasePoseRequest& request, std::int64_t now_unix_s) {
+  clients_.erase(id);
+  if (const int found = FindFor(request); found >= 0) {
+    config::AlignmentEntry& entry = file_.entries[static_cast<std::size_t>(found)];
+    const bool in_use = std::any_of(clients_.begin(), clients_.end(),
+                                    [&](const auto& client) { return FindFor(client.second.request) == found; });
+    if (!in_use && CountStart(entry, now_unix_s)) {
+      Changed(static_cast<std::size_t>(found));
+      (void)Save();
+    }
+  }
   clients_[id] = {.request = request, .reported = false};
+}
+
+void BasePoses::Remove(ipc::ClientId id, std::int64_t now_unix_s) {
+  const auto client = clients_.find(id);
+  if (client == clients_.end()) return;
+  const int found = FindFor(client->second.request);
+  clients_.erase(client);
+  if (found < 0) return;
+  file_.entries[static_cast<std::size_t>(found)].used = IsoDate(now_unix_s);
+  (void)Save();
+}
+
+bool BasePoses::CountStart(config::AlignmentEntry& entry, std::int64_t now_unix_s) const {
+  const std::int64_t idle_s = now_unix_s - UnixSeconds(entry.used.empty() ? entry.date : entry.used);
+  if (idle_s >= 0 && idle_s < config::kHeadsetPause_s) return false;
+  ++entry.drift.starts;
+  entry.used = IsoDate(now_unix_s);
+  return true;
 }
 
 void BasePoses::NotifyAll() {
@@ -231,7 +267,8 @@ BasePoses::Done BasePoses::Store(const protocol::BasePoseCommand& command, std::
            .samples = static_cast<int>(std::min<std::uint32_t>(command.samples, 1'000'000)),
            .rms_mm = 1e3 * command.rms_m,
            .expected_error_mm = 1e3 * command.expected_error_m,
-           .rotation_deg = std::min(180.0, 57.29577951308232 * command.rotation_sigma_rad)};
+           .rotation_deg = std::min(180.0, 57.29577951308232 * command.rotation_sigma_rad),
+           .drift = Fresh(entry.drift)};
   SetPose(alignment::Compose(ToRigid(command.base_space), {}), entry);  // the quaternion to unit length
   entry.measured_orientation_space = entry.orientation_space;
   entry.measured_position_space_m = entry.position_space_m;
@@ -276,6 +313,7 @@ BasePoses::Done BasePoses::Restore(const protocol::BasePoseCommand& command) {
   SetPose(MeasuredPoseOf(entry), entry);
   entry.recentred = 0;
   entry.doubtful = entry.base_moved = false;
+  entry.drift = Fresh(entry.drift);
   entry.field_base_T.reset();  // the base stands where it stood, says who restores it
   steady_s_ = 0;
   Changed(static_cast<std::size_t>(found));
@@ -286,6 +324,40 @@ BasePoses::Done BasePoses::Restore(const protocol::BasePoseCommand& command) {
   return {true, "restored as measured on " + entry.date};
 }
 
+BasePoses::Done BasePoses::Check(const protocol::BasePoseCommand& command, std::int64_t now_unix_s) {
+  if (!readable_) return {false, Save().error()};
+  const int found = Find(command.headset, command.space);
+  if (found < 0) return {false, "no such alignment is stored; measure one: omni align"};
+  config::AlignmentEntry& entry = file_.entries[static_cast<std::size_t>(found)];
+  const config::AlignmentEntry before = entry;
+  const alignment::Rigid there{.orientation = entry.orientation_space,
+                               .position_m = ToRigid(command.base_space).position_m};
+  const double offset_m = base::Distance(there.position_m, entry.position_space_m);
+  const bool correct = command.correct == 1;
+  if (correct && !IsRecentring(MeasuredPoseOf(entry), there)) {
+    return {false, "the base is too far from where it was measured; measure it again: omni align"};
+  }
+  CountStart(entry, now_unix_s);
+  entry.used = IsoDate(now_unix_s);
+  entry.drift = config::Checked(entry.drift, offset_m, 1e-3 * entry.expected_error_mm, correct);
+  if (correct) {
+    SetPose(there, entry);
+    ++entry.recentred;
+    entry.doubtful = false;
+  }
+  Changed(static_cast<std::size_t>(found));
+  if (auto saved = Save(); !saved.ok()) {
+    entry = before;
+    return {false, saved.error()};
+  }
+  char text[160];
+  std::snprintf(text, sizeof text, "%.1f mm from where it is stored; %s", 1e3 * offset_m,
+                correct             ? "corrected, and running applications use it already"
+                : entry.IsTrusted() ? "running applications go on with it"
+                                    : "running applications no longer call the pen tracked");
+  return {true, text};
+}
+
 BasePoses::Done BasePoses::Execute(const protocol::BasePoseCommand& command, std::int64_t now_unix_s) {
   switch (command.action) {
     case protocol::BasePoseAction::kStore:
@@ -294,6 +366,8 @@ BasePoses::Done BasePoses::Execute(const protocol::BasePoseCommand& command, std
       return Forget(command);
     case protocol::BasePoseAction::kRestore:
       return Restore(command);
+    case protocol::BasePoseAction::kCheck:
+      return Check(command, now_unix_s);
     case protocol::BasePoseAction::kPolicy:
       return SetPolicy(command);
   }
@@ -325,7 +399,7 @@ void BasePoses::Notify(const std::function<bool(ipc::ClientId, const protocol::B
       base_pose.doubtful = entry.IsTrusted() ? 0 : 1;
       base_pose.space = entry.space;
       base_pose.base_space = {.position_m = {p.x, p.y, p.z}, .orientation_wxyz = {q.w, q.x, q.y, q.z}};
-      base_pose.expected_error_m = 1e-3 * entry.expected_error_mm;
+      base_pose.expected_error_m = std::min(1.0, 1e-3 * entry.ErrorNow_mm());
       base_pose.rotation_sigma_rad = entry.rotation_deg / 57.29577951308232;
       base_pose.measured_unix_s = UnixSeconds(entry.date);
       base_pose.changes_until_ns = live.changes_until_ns;

@@ -23,8 +23,9 @@ class BasePoses {
   // Reads the file; an empty path: nothing is stored. A file that cannot be read is never overwritten.
   explicit BasePoses(std::string path, Write write = config::WriteTextFile);
 
-  void Request(ipc::ClientId id, const protocol::BasePoseRequest& request);
-  void Remove(ipc::ClientId id) { clients_.erase(id); }
+  // With an alignment that no application has used for kHeadsetPause_s, the headset counts as started since.
+  void Request(ipc::ClientId id, const protocol::BasePoseRequest& request, std::int64_t now_unix_s);
+  void Remove(ipc::ClientId id, std::int64_t now_unix_s);
   // A change of a space that this client has requested. The same change reported by several applications counts once.
   // An implausible one leaves the alignment where it is, but doubtful. `now_ns`: CLOCK_MONOTONIC.
   void Change(ipc::ClientId id, const protocol::SpaceChange& change, std::int64_t now_ns);
@@ -76,10 +77,12 @@ class BasePoses {
   void KeepNewestOfEach();
   int FindFor(const protocol::BasePoseRequest& request) const;
   void Changed(std::size_t index);
+  bool CountStart(config::AlignmentEntry& entry, std::int64_t now_unix_s) const;
   base::Status Save();
   Done Store(const protocol::BasePoseCommand& command, std::int64_t now_unix_s);
   Done Forget(const protocol::BasePoseCommand& command);
   Done Restore(const protocol::BasePoseCommand& command);
+  Done Check(const protocol::BasePoseCommand& command, std::int64_t now_unix_s);
   Done SetPolicy(const protocol::BasePoseCommand& command);
   void NotifyAll();
 

@@ -208,6 +208,9 @@ json Alignments(const config::AlignmentFile& file) {
                     {"recentred", entry.recentred},
                     {"doubtful", entry.doubtful},
                     {"base_moved", entry.base_moved},
+                    {"drifted", config::HasDrifted(1e-3 * entry.expected_error_mm, entry.drift)},
+                    {"starts", entry.drift.starts},
+                    {"error_now_mm", entry.ErrorNow_mm()},
                     {"moved_m", MovedSinceMeasured_m(entry)},
                     {"position_space_m", {p.x, p.y, p.z}},
                     {"orientation_space_wxyz", {q.w, q.x, q.y, q.z}}});

@@ -26,12 +26,14 @@ namespace {
 
 constexpr const char* kAlign = "omni align";
 constexpr const char* kMethods[] = {"touch", "sweep", "fingertip", "nudge"};
+constexpr double kFair_m = 4e-3;
 constexpr const char* kPlacements[] = {"front-of-user", "calibrated", "off"};
 
 struct AlignArguments {
   std::string method = "touch";
   std::string socket, marks, placement;
   bool as_json = false, show = false, forget = false, restore = false, tilted = false;
+  bool check = false, correct = false;
   int number = 0;
   AlignRunOptions run;
 };
@@ -120,16 +122,20 @@ int SetPolicy(client::Connection& connection, const std::string& placement) {
   return kExitOk;
 }
 
+base::Status UseMarks(AlignArguments& arguments) {
+  if (arguments.marks.empty()) return base::Ok{};
+  auto marks = config::LoadMarksFile(arguments.marks);
+  if (!marks.ok()) return base::Error{marks.error()};
+  arguments.run.session.marks = std::move(*marks);
+  return base::Ok{};
+}
+
 int Measure(client::Connection& connection, AlignArguments arguments) {
   arguments.run.session.level = !arguments.tilted;
   for (const AlignMethod method : {AlignMethod::kTouch, AlignMethod::kSweep, AlignMethod::kFingertip}) {
     if (arguments.method == AlignMethodName(method)) arguments.run.session.method = method;
   }
-  if (!arguments.marks.empty()) {
-    auto marks = config::LoadMarksFile(arguments.marks);
-    if (!marks.ok()) return Fail(kAlign, marks.error());
-    arguments.run.session.marks = std::move(*marks);
-  }
+  if (const auto given = UseMarks(arguments); !given.ok()) return Fail(kAlign, given.error());
   const auto aligned = RunAlignment(connection, arguments.run);
   if (!aligned.ok()) return Fail(kAlign, aligned.error());
   Print(AlignOutcomeText(arguments.run.session, aligned->outcome));
@@ -139,14 +145,40 @@ int Measure(client::Connection& connection, AlignArguments arguments) {
   return kExitOk;
 }
 
+// One touch of the first mark: how far off is what is stored?
+int CheckStored(client::Connection& connection, const nlohmann::json& status, AlignArguments arguments) {
+  arguments.run.session.method = AlignMethod::kCheck;
+  if (const auto given = UseMarks(arguments); !given.ok()) return Fail(kAlign, given.error());
+  const auto aligned = RunAlignment(connection, arguments.run);
+  if (!aligned.ok()) return Fail(kAlign, aligned.error());
+  const auto stored = AlignmentOf(status, aligned->headset);
+  if (!stored.ok()) return Fail(kAlign, stored.error());
+  alignment::Outcome outcome;
+  outcome.base_space =
+      BaseAsTouched(stored->base_space, arguments.run.session.marks[0].position_base_m, aligned->mark_space_m);
+  protocol::BasePoseCommand command = StoreCommand(aligned->headset, outcome, "check");
+  command.action = protocol::BasePoseAction::kCheck;
+  command.correct = arguments.correct ? 1 : 0;
+  const auto done = RequestBasePose(connection, command);
+  if (!done.ok()) return Fail(kAlign, done.error());
+  std::printf("mark %s       %s\n", arguments.run.session.marks[0].name.c_str(), done->c_str());
+  const double offset_m = base::Distance(outcome.base_space.position_m, stored->base_space.position_m);
+  if (!arguments.correct && offset_m > kFair_m) {
+    Print("             to move it there: omni align --check --correct; to measure its turn too: omni align\n");
+  }
+  return kExitOk;
+}
+
 int Align(const AlignArguments& arguments) {
   auto connection = ConnectToService(arguments.socket, protocol::ClientRole::kTool);
   if (!connection.ok()) return FailWith(arguments.as_json, kAlign, connection.error(), kExitNoService);
   if (!arguments.placement.empty()) return SetPolicy(**connection, arguments.placement);
-  const bool stored = arguments.show || arguments.forget || arguments.restore || arguments.method == "nudge";
+  const bool stored =
+      arguments.check || arguments.show || arguments.forget || arguments.restore || arguments.method == "nudge";
   if (!stored) return Measure(**connection, arguments);
   const auto status = RequestStatus(**connection);
   if (!status.ok()) return FailWith(arguments.as_json, kAlign, status.error());
+  if (arguments.check) return CheckStored(**connection, *status, arguments);
   if (arguments.forget) return ForgetStored(**connection, *status, arguments.number);
   if (arguments.restore) return RestoreStored(**connection, *status, arguments.number);
   if (!arguments.show) return NudgeStored(**connection, *status, arguments.number);
@@ -172,6 +204,9 @@ void AddAlign(Command& app) {
   const console::Option show = align.Add("--show", arguments->show, "list the stored alignments");
   align.Add("--json", arguments->as_json, "--show: as JSON").Needs(show);
   align.Add("--forget", arguments->forget, "delete the stored alignments, or only --number N");
+  const console::Option check =
+      align.Add("--check", arguments->check, "touch mark 1: how far is the stored alignment off? Takes some seconds");
+  align.Add("--correct", arguments->correct, "--check: move the stored alignment to where it was touched").Needs(check);
   align.Add("--restore", arguments->restore, "restore an alignment as measured, before any recentring");
   align
       .Add("--placement", arguments->placement,

@@ -144,6 +144,7 @@ base::Result<Aligned> RunAlignment(client::Connection& connection, const AlignRu
     if (session.step() == AlignStep::kRefused) return base::Error{session.problem()};
     if (session.step() == AlignStep::kDone) {
       aligned.outcome = session.outcome();
+      aligned.mark_space_m = session.mark_space_m();
       return aligned;
     }
     if (base::MonotonicNow_ns() > deadline_ns) {

@@ -21,6 +21,7 @@ struct AlignRunOptions {
 struct Aligned {
   Headset headset;
   alignment::Outcome outcome;
+  base::Vec3 mark_space_m;  // of AlignMethod::kCheck
 };
 
 // Prints steps and progress. Ends with a placement, a refusal, the end of patience or of the runtime's session, or a

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/alignment/kabsch.h"
+#include "service/alignment/rigid.h"
 #include "service/base/clock.h"
 #include "service/config/runtime_identity.h"
 #include "service/protocol/text.h"
@@ -81,6 +82,21 @@ protocol::BasePoseCommand StoreCommand(const Headset& headset, const alignment::
   command.samples = static_cast<std::uint32_t>(outcome.samples);
   protocol::SetField(command.method, method);
   return command;
+}
+
+base::Result<StoredAlignment> AlignmentOf(const nlohmann::json& status, const Headset& headset) {
+  const nlohmann::json named{{"runtime", headset.runtime}, {"system", headset.system}};
+  for (const nlohmann::json& row : ArrayAt(status, "/alignments/stored")) {
+    if (SameHeadset(row, named) && NumberAt(row, "/space") == headset.space) return ReadStored(row);
+  }
+  return base::Error{"no alignment is stored for this headset in this space; measure one: omni align"};
+}
+
+alignment::Rigid BaseAsTouched(const alignment::Rigid& stored, const base::Vec3& mark_base_m,
+                               const base::Vec3& touched_space_m) {
+  alignment::Rigid moved = stored;
+  moved.position_m = stored.position_m + (touched_space_m - alignment::Apply(stored, mark_base_m));
+  return moved;
 }
 
 base::Result<StoredAlignment> ChooseAlignment(const nlohmann::json& status, int number) {

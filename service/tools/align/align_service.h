@@ -29,6 +29,11 @@ struct StoredAlignment {
   int samples = 0;
   double rms_m = 0;
 };
+// Of this headset in this space.
+base::Result<StoredAlignment> AlignmentOf(const nlohmann::json& status, const Headset& headset);
+// The stored placement moved so that its mark is where it was touched; its orientation is kept.
+alignment::Rigid BaseAsTouched(const alignment::Rigid& stored, const base::Vec3& mark_base_m,
+                               const base::Vec3& touched_space_m);
 // `number` 0: the one of a connected application's headset, else the only one. Without any: the headset of a connected
 // application, its base where the layer guesses it.
 base::Result<StoredAlignment> ChooseAlignment(const nlohmann::json& status, int number);

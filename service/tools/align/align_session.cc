@@ -13,7 +13,7 @@ using alignment::Rigid;
 using alignment::Sample;
 
 constexpr double kPivotWindow_s = 8;
-constexpr double kPivotLeast_s = 3;
+constexpr double kPivotLeast_s = 3, kCheckLeast_s = 5;  // a check has no other marks to average with
 constexpr double kPivotGood_m = 2e-3;
 constexpr double kTryEvery_s = 0.5;
 constexpr double kStill_s = 0.5;
@@ -33,7 +33,7 @@ alignment::DwellOptions DwellOf(AlignMethod method) {
 }  // namespace
 
 const char* AlignMethodName(AlignMethod method) {
-  constexpr const char* kNames[] = {"touch", "sweep", "fingertip"};
+  constexpr const char* kNames[] = {"touch", "sweep", "fingertip", "check"};
   return kNames[static_cast<std::size_t>(method)];
 }
 
@@ -71,7 +71,7 @@ AlignSession::AlignSession(AlignOptions options) : options_(std::move(options)),
 }
 
 void AlignSession::Restart() {
-  constexpr AlignStep kFirst[] = {AlignStep::kPivot, AlignStep::kSweep, AlignStep::kFingertip};
+  constexpr AlignStep kFirst[] = {AlignStep::kPivot, AlignStep::kSweep, AlignStep::kFingertip, AlignStep::kPivot};
   step_ = kFirst[static_cast<std::size_t>(options_.method)];
   recent_.clear();
   samples_.clear();
@@ -112,14 +112,19 @@ void AlignSession::AddPivot() {
   if (now_s < next_try_s_ + kTryEvery_s) return;
   next_try_s_ = now_s;
   const double span_s = now_s - recent_.front().t_s;
-  quality_ = std::min(0.9, span_s / kPivotLeast_s);
-  if (span_s < kPivotLeast_s) return;
+  const double least_s = options_.method == AlignMethod::kCheck ? kCheckLeast_s : kPivotLeast_s;
+  quality_ = std::min(0.9, span_s / least_s);
+  if (span_s < least_s) return;
   std::vector<Rigid> poses;
   for (const Posed& posed : recent_) poses.push_back(posed.pose);
   const base::Result<alignment::Pivot> pivot = alignment::SolvePivot(poses);
   hint_ = pivot.ok() ? std::string() : pivot.error();
   if (!pivot.ok() || pivot->tip_sigma_m > kPivotGood_m) return;
   pivot_ = *pivot;
+  if (options_.method == AlignMethod::kCheck) {
+    step_ = AlignStep::kDone;
+    return;
+  }
   // Mark 1 as one touch: a pose that puts the tip where the swing found it.
   const Rigid& mean = poses.back();
   const base::Vec3 tip = alignment::Apply(mean, pivot_.tip_controller_m);

@@ -14,8 +14,9 @@
 
 namespace omni::tools {
 
-enum class AlignMethod { kTouch, kSweep, kFingertip };
-// "touch", "sweep", "fingertip"
+// kCheck: one touch, of the first mark; nothing is measured but that point.
+enum class AlignMethod { kTouch, kSweep, kFingertip, kCheck };
+// "touch", "sweep", "fingertip", "check"
 const char* AlignMethodName(AlignMethod method);
 
 struct AlignOptions {
@@ -48,6 +49,8 @@ class AlignSession {
   const std::string& hint() const { return hint_; }  // what is still missing; empty: nothing
   // After kDone.
   const alignment::Outcome& outcome() const { return outcome_; }
+  // After kDone of kCheck: where the first mark is.
+  const base::Vec3& mark_space_m() const { return pivot_.centre_space_m; }
   // After kRefused: why, and what to do.
   const std::string& problem() const { return problem_; }
   const AlignOptions& options() const { return options_; }

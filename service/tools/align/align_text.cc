@@ -85,6 +85,17 @@ std::string SpaceName(int space) {
   return space == protocol::kSpaceLocal ? "LOCAL" : "space " + std::to_string(space);
 }
 
+namespace {
+
+// "", or by how much it may be off by now.
+std::string StartsText(const nlohmann::json& row) {
+  const double starts = NumberAt(row, "/starts"), now_mm = NumberAt(row, "/error_now_mm");
+  if (!(now_mm > NumberAt(row, "/expected_error_mm"))) return {};
+  return Printed(", %.1f mm by now, after %.0f %s of the headset", now_mm, starts, starts == 1 ? "start" : "starts");
+}
+
+}  // namespace
+
 std::string StoredAlignmentsText(const nlohmann::json& status) {
   std::string text;
   int number = 0;
@@ -97,6 +108,7 @@ std::string StoredAlignmentsText(const nlohmann::json& status) {
         (expected_mm > 0
              ? Printed("expected error %.1f mm (%s)", expected_mm, AlignQualityWord(1e-3 * expected_mm).c_str())
              : std::string("error not stated")) +
+        StartsText(row) +
         (NumberAt(row, "/recentred") > 0 ? ", adjusted for " + TextAt(row, "/recentred") + " recentrings" +
                                                Printed(", %.2f m from where it was measured", NumberAt(row, "/moved_m"))
                                          : std::string()) +
@@ -106,6 +118,9 @@ std::string StoredAlignmentsText(const nlohmann::json& status) {
         (TrueAt(row, "/base_moved") ? ", DOUBTFUL: the base was turned or carried, as the field about it says; align "
                                       "again, or if it stands where it stood: omni align --restore"
                                     : "") +
+        (TrueAt(row, "/drifted") ? ", DOUBTFUL: it may be off by more than 10 mm by now; one touch corrects it: omni "
+                                   "align --check --correct"
+                                 : "") +
         "\n";
   }
   if (number == 0) text = "no alignment is stored; measure one: omni align\n";

@@ -12,6 +12,10 @@ Finding CheckAlignment(const Surroundings& surroundings) {
   const auto& status = surroundings.service.status;
   if (TrueAt(status, "/aligned")) return {Verdict::kOk, "aligned with the headset", {}};
   for (const nlohmann::json& row : ArrayAt(status, "/alignments/stored")) {
+    if (TrueAt(row, "/drifted")) {
+      return {Verdict::kWarn, "the alignment with " + TextAt(row, "/system") + " may be off by more than 10 mm by now",
+              "touch mark 1 once: omni align --check --correct", "omni align --check --correct"};
+    }
     if (!TrueAt(row, "/base_moved")) continue;
     return {Verdict::kWarn, "the base was turned or carried since it was aligned with " + TextAt(row, "/system"),
             "run omni align again; if it stands where it stood: omni align --restore", "omni align"};

@@ -64,9 +64,8 @@ class Person {
     for (double& phase : phases_) phase = random_.Uniform(0, 2 * std::numbers::pi);
     hold_ = Turn({random_.Uniform(-0.5, 0.5), random_.Uniform(-3, 3), random_.Uniform(-0.5, 0.5)});
     if (random_.Uniform() < noise.wrong_touch) {
-      const int places = options.method == tools::AlignMethod::kTouch ? static_cast<int>(options.marks.size()) - 1
-                                                                      : options.fingertips;
-      const int first = options.method == tools::AlignMethod::kTouch ? 1 : 0;
+      const int places = TouchesMarks() ? static_cast<int>(options.marks.size()) - 1 : options.fingertips;
+      const int first = TouchesMarks() ? 1 : 0;
       wrong_touch_ = first + static_cast<int>(random_.Bits() % static_cast<std::uint64_t>(places));
       wrong_by_ = random_.Uniform(0.015, 0.06) * ToEigen(random_.NormalVector(1)).normalized();
     }
@@ -89,7 +88,7 @@ class Person {
       p_LC += random_.Uniform(0.02, 0.1) * ToEigen(random_.NormalVector(1)).normalized();
     }
     std::optional<tools::PenSeen> pen;
-    if (options_.method != tools::AlignMethod::kTouch) {
+    if (!TouchesMarks()) {
       const Vector3d v_B = options_.method == tools::AlignMethod::kSweep ? Vector3d((SweepAt(t_s + 1e-4) - p_B) / 1e-4)
                                                                          : Vector3d::Zero();
       // A finger touches the pen with its skin, not with the middle of the joint; the pen itself does not move.
@@ -116,7 +115,7 @@ class Person {
 
   // Intended place of the tip, and its deviation from it.
   void DrawTouch() {
-    if (options_.method == tools::AlignMethod::kTouch) {
+    if (TouchesMarks()) {
       place_ = ToEigen(options_.marks[static_cast<std::size_t>(touch_)].position_base_m);
     } else {
       const Vector3d last = place_;
@@ -124,8 +123,7 @@ class Person {
         place_ = Vector3d(random_.Uniform(-0.06, 0.06), random_.Uniform(-0.06, 0.06), random_.Uniform(0.05, 0.11));
       } while ((place_ - last).norm() < kApart_m);
     }
-    miss_ = ToEigen(
-        random_.NormalVector(options_.method == tools::AlignMethod::kTouch ? noise_.contact_m : noise_.finger_m));
+    miss_ = ToEigen(random_.NormalVector(TouchesMarks() ? noise_.contact_m : noise_.finger_m));
     if (touch_ == wrong_touch_) miss_ += wrong_by_;
   }
 
@@ -142,10 +140,10 @@ class Person {
     const double smooth = s * s * s * (10 + s * (6 * s - 15));
     return from_ + smooth * (to - from_) + Vector3d(0, 0, kLift_m * std::sin(std::numbers::pi * smooth));
   }
-  int Places() const {
-    return options_.method == tools::AlignMethod::kTouch ? static_cast<int>(options_.marks.size())
-                                                         : options_.fingertips;
+  bool TouchesMarks() const {
+    return options_.method == tools::AlignMethod::kTouch || options_.method == tools::AlignMethod::kCheck;
   }
+  int Places() const { return TouchesMarks() ? static_cast<int>(options_.marks.size()) : options_.fingertips; }
 
   const tools::AlignOptions options_;
   const AlignNoise noise_;
@@ -175,6 +173,11 @@ AlignTrial SimulateAlignment(const tools::AlignOptions& options, const AlignNois
   trial.problem = session.step() == tools::AlignStep::kRefused ? session.problem() : session.hint();
   if (trial.refused) return trial;
   trial.outcome = session.outcome();
+  if (options.method == tools::AlignMethod::kCheck) {
+    const base::Vec3 mark_m = alignment::Apply(trial.truth, options.marks[0].position_base_m);
+    trial.error_m = base::Distance(session.mark_space_m(), mark_m);
+    return trial;
+  }
   trial.error_m = alignment::Distance_m(trial.outcome.base_space, trial.truth, alignment::kWorkingPoint_base_m);
   trial.error_rad = alignment::Angle_rad(trial.outcome.base_space, trial.truth);
   return trial;

@@ -29,7 +29,7 @@ struct AlignTrial {
   std::string problem;
   alignment::Outcome outcome;
   alignment::Rigid truth;  // X_LB
-  double error_m = 0;      // at the working point
+  double error_m = 0;      // at the working point; of kCheck at the first mark
   double error_rad = 0;
   double seconds = 0;    // of the person's time
   int wrong_touch = -1;  // the mark that was touched wrongly
