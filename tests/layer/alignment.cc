@@ -101,15 +101,16 @@ TEST_F(Alignment, NewPlacementMovesPenInRunningSession) {
   EXPECT_TRUE(Comes(app, kPlaced.p + kPlaced.q * kPen_B, local)) << "a placement in another space";
 }
 
-// A guess is VALID and not TRACKED; if the user disabled guessing, there is no pose.
-TEST_F(Alignment, UnknownPlacementIsGuessedAndNotTracked) {
+// The pen is tracked, about a base whose place is a guess; if the user disabled guessing, there is no pose.
+TEST_F(Alignment, UnknownPlacementIsGuessedInFrontOfTheUser) {
   protocol::BasePose unknown;
   service->SetBasePose(unknown);
   App app;
   Start(app);
   const Pose guess = layer::DefaultBasePose();
   EXPECT_LT(DistanceFrom(guess.p + guess.q * kPen_B, local), 1e-5);
-  EXPECT_EQ(At(local).locationFlags, layer::kValid);
+  EXPECT_TRUE(app.SyncUntil(*service, [&] { return At(local).locationFlags == kAll; }))
+      << "an engine that waits for a controller's first tracked pose shows it";
   EXPECT_TRUE(app.PoseActive(app.pose, app.right));
 
   unknown.uncalibrated = protocol::Uncalibrated::kCalibrated;

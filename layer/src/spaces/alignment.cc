@@ -9,18 +9,19 @@
 namespace omni::layer {
 namespace {
 
-// For a base that is not aligned: a place within reach, but not a measured one, as the missing TRACKED bits show.
-BasePose Guess(bool valid) {
+// For a base that is not aligned: a place within reach, but not a measured one.
+BasePose Guess(bool valid, bool tracked) {
   BasePose guess;
   guess.valid = valid;
-  guess.tracked = false;
+  guess.tracked = tracked;
   return guess;
 }
 
 BasePose ToBasePose(const protocol::BasePose& received) {
   const bool off = received.uncalibrated == protocol::Uncalibrated::kOff;
   const bool front = received.uncalibrated == protocol::Uncalibrated::kFrontOfUser;
-  if (off || received.known == 0) return Guess(!off && front);
+  // The pen is tracked about a base whose place is a guess: engines hide what was never TRACKED (docs/decisions/0020).
+  if (off || received.known == 0) return Guess(!off && front, true);
   const auto& p = received.base_space.position_m;
   const auto& q = received.base_space.orientation_wxyz;
   BasePose base_pose;
@@ -38,9 +39,8 @@ protocol::WirePose ToWire(const XrPosef& pose) {
 }  // namespace
 
 void Alignment::RequestBasePose(Session& session, XrSystemId system) {
-  BasePose guess = Guess(true);
-  guess.tracked = instance_.link.test() != nullptr;  // a conformance test sets the device's pose itself
-  session.base_pose.Set(guess, 0);
+  // Until the service answers; a conformance test sets the device's pose itself.
+  session.base_pose.Set(Guess(true, instance_.link.test() != nullptr), 0);
   XrInstanceProperties runtime{XR_TYPE_INSTANCE_PROPERTIES, nullptr, 0, {}};
   XrSystemProperties headset{XR_TYPE_SYSTEM_PROPERTIES, nullptr, 0, 0, {}, {}, {}};
   if (XR_FAILED(instance_.next.GetInstanceProperties(instance_.handle, &runtime)) ||
