@@ -35,6 +35,17 @@ bool SetFocus(State& state, bool focus) {
   return true;
 }
 
+// [XrEventDataUserPresenceChangedEXT] for every session of an instance that enabled the extension.
+bool SetUserPresence(State& state, bool present) {
+  const XrBool32 is_present = present ? XR_TRUE : XR_FALSE;
+  ForEachSession(state, [is_present](Session& session) {
+    if (session.lost || !session.instance->Enabled(XR_EXT_USER_PRESENCE_EXTENSION_NAME)) return;
+    Push(*session.instance, XrEventDataUserPresenceChangedEXT{XR_TYPE_EVENT_DATA_USER_PRESENCE_CHANGED_EXT, nullptr,
+                                                              Handles::As<XrSession>(session.handle), is_present});
+  });
+  return true;
+}
+
 bool SetHand(State& state, int hand, bool active, const Motion& palm) {
   if (hand < 0 || !IsValid(palm.pose)) return false;
   state.world.SetHand(hand, active, palm);

@@ -17,6 +17,8 @@ bool ResetWorld(State& state);
 bool SetTracking(State& state, int hand, bool valid, bool tracked);
 bool SetHead(State& state, const Motion& motion);
 bool SetFocus(State& state, bool focus);
+// The headset is put on or taken off.
+bool SetUserPresence(State& state, bool present);
 bool SetHand(State& state, int hand, bool active, const Motion& palm);
 // "local", "local_floor" or "stage", else XR_REFERENCE_SPACE_TYPE_MAX_ENUM.
 XrReferenceSpaceType SpaceNamed(std::string_view name);

@@ -82,6 +82,10 @@ int omni_test_set_focus(int focus) {
   return Alone([&](auto& state) { return omni::runtime::SetFocus(state, focus != 0); });
 }
 
+int omni_test_set_user_presence(int present) {
+  return Alone([&](auto& state) { return omni::runtime::SetUserPresence(state, present != 0); });
+}
+
 int omni_test_recenter(const float pose[7], int64_t delay_ns) {
   if (pose == nullptr) return -1;
   return omni_test_move_space("local", pose, delay_ns, 1);

@@ -60,6 +60,8 @@ int omni_test_set_pose(const char* path, const float pose[7], const float veloci
 int omni_test_set_head(const float pose[7], const float velocity[6]);
 // 0: focused sessions drop to VISIBLE at once, 1: they come back.
 int omni_test_set_focus(int focus);
+// The headset is taken off (0) or put on: an event where XR_EXT_user_presence is enabled.
+int omni_test_set_user_presence(int present);
 // LOCAL (and LOCAL_FLOOR with it) moves to `pose`, given in the present LOCAL, after delay_ns; the event is queued now.
 int omni_test_recenter(const float pose[7], int64_t delay_ns);
 // The same for "local" or "stage". reported = 0: the event does not contain the new origin (poseValid is false).

@@ -57,6 +57,7 @@ constexpr Command kCommands[] = {
     {"pose", "pnnnnnnn", 6, [](State& state, const Words& w) { return state.world.SetPose(w[1], ReadMotion(w, 2)); }},
     {"head", "nnnnnnn", 6, [](State& state, const Words& w) { return SetHead(state, ReadMotion(w, 1)); }},
     {"focus", "n", 0, [](State& state, const Words& w) { return SetFocus(state, Truth(w[1])); }},
+    {"user_presence", "n", 0, [](State& state, const Words& w) { return SetUserPresence(state, Truth(w[1])); }},
     {"recenter", "nnnnnnn", 0,
      [](State& state, const Words& w) {
        return Recenter(state, XR_REFERENCE_SPACE_TYPE_LOCAL, ReadMotion(w, 1).pose, 0, true);

@@ -71,6 +71,11 @@ XrResult GetSystemProperties(XrInstance instance, XrSystemId system, XrSystemPro
   auto* const hands =
       InChain<XrSystemHandTrackingPropertiesEXT>(properties->next, XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT);
   if (hands != nullptr && owner->Enabled(XR_EXT_HAND_TRACKING_EXTENSION_NAME)) hands->supportsHandTracking = XR_TRUE;
+  auto* const presence =
+      InChain<XrSystemUserPresencePropertiesEXT>(properties->next, XR_TYPE_SYSTEM_USER_PRESENCE_PROPERTIES_EXT);
+  if (presence != nullptr && owner->Enabled(XR_EXT_USER_PRESENCE_EXTENSION_NAME)) {
+    presence->supportsUserPresence = XR_TRUE;
+  }
   return XR_SUCCESS;
 }
 

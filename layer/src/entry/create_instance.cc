@@ -37,10 +37,19 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+// For ourselves, hidden from an application that did not ask for it: the runtime's time, and whether the headset is
+// worn.
+constexpr const char* kTimespec = XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME;
+constexpr const char* kPresence = XR_EXT_USER_PRESENCE_EXTENSION_NAME;
+
 struct Attempt {
-  std::vector<std::string> ours;  // those of our extensions that are requested below
-  bool timespec = false;          // add XR_KHR_convert_timespec_time
+  std::vector<std::string> ours;   // those of our extensions that are requested below
+  std::vector<const char*> added;  // for ourselves
 };
+
+bool Adds(const Attempt& attempt, const char* name) {
+  return std::find(attempt.added.begin(), attempt.added.end(), name) != attempt.added.end();
+}
 
 struct Creation {
   const XrInstanceCreateInfo* info;
@@ -55,7 +64,7 @@ XrResult Try(const Creation& creation, const Attempt& attempt, XrInstance* insta
     const OurExtension* ours = FindOurs(name);
     if (!ours || Contains(attempt.ours, name)) names.push_back(name.c_str());
   }
-  if (attempt.timespec) names.push_back(XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
+  names.insert(names.end(), attempt.added.begin(), attempt.added.end());
   XrInstanceCreateInfo info = *creation.info;
   info.enabledExtensionCount = static_cast<std::uint32_t>(names.size());
   info.enabledExtensionNames = names.data();
@@ -86,15 +95,15 @@ std::vector<Attempt> AttemptsFor(const std::vector<std::string>& asked,
   for (const std::string& name : asked)
     if (const OurExtension* ours = FindOurs(name); ours && ours->may_be_below && perhaps(name))
       most.ours.push_back(name);
-  const std::string timespec = XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME;
-  most.timespec = !Contains(asked, timespec) && perhaps(timespec);
+  if (!Contains(asked, kTimespec) && perhaps(kTimespec)) most.added.push_back(kTimespec);
+  if (!Contains(asked, kPresence) && offered && Contains(*offered, kPresence)) most.added.push_back(kPresence);
   std::vector<Attempt> attempts{most};
-  if (most.timespec && !most.ours.empty()) attempts.push_back({most.ours, false});
+  if (!most.added.empty() && !most.ours.empty()) attempts.push_back({most.ours, {}});
   for (std::size_t i = 0; !offered && i < most.ours.size(); ++i) {
     attempts.push_back(most);
     attempts.back().ours.erase(attempts.back().ours.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  if (most.timespec || !most.ours.empty()) attempts.push_back({});
+  if (!most.added.empty() || !most.ours.empty()) attempts.push_back({});
   return attempts;
 }
 
@@ -164,7 +173,7 @@ XrResult StepAside(const std::vector<std::string>& asked, const Attempt& done, c
     return FindOurs(name) && !Contains(done.ours, name);
   });
   if (!lacks_ours) {
-    Registry::Get().AddAside({*instance, next.GetInstanceProcAddr, next.DestroyInstance, done.timespec});
+    Registry::Get().AddAside({*instance, next.GetInstanceProcAddr, next.DestroyInstance, Adds(done, kTimespec)});
     return XR_SUCCESS;
   }
   if (next.DestroyInstance) next.DestroyInstance(*instance);
@@ -200,7 +209,8 @@ XrResult CreateApiLayerInstance(const XrInstanceCreateInfo* info, const XrApiLay
   if (XR_VERSION_MAJOR(version) > 1 || XR_VERSION_MINOR(version) >= 1) setup.enabled.push_back("1.1");
   for (const std::string& name : creation.asked)
     if (const OurExtension* ours = FindOurs(name); ours && !Contains(done.ours, name)) setup.only_ours.push_back(name);
-  setup.hide_timespec = done.timespec;
+  setup.hide_timespec = Adds(done, kTimespec);
+  setup.hide_presence = Adds(done, kPresence);
   setup.connection = ConnectionFor(info->applicationInfo);
   try {
     Registry::Get().Add(std::make_shared<Instance>(std::move(setup)));

@@ -39,6 +39,24 @@ typedef struct XrActiveActionSetPrioritiesEXT {
 } XrActiveActionSetPrioritiesEXT;
 #endif
 
+#ifndef XR_EXT_user_presence
+#define XR_EXT_user_presence 1
+#define XR_EXT_USER_PRESENCE_EXTENSION_NAME "XR_EXT_user_presence"
+#define XR_TYPE_EVENT_DATA_USER_PRESENCE_CHANGED_EXT (static_cast<XrStructureType>(1000470000))
+#define XR_TYPE_SYSTEM_USER_PRESENCE_PROPERTIES_EXT (static_cast<XrStructureType>(1000470001))
+typedef struct XrEventDataUserPresenceChangedEXT {
+  XrStructureType type;
+  const void* next;
+  XrSession session;
+  XrBool32 isUserPresent;
+} XrEventDataUserPresenceChangedEXT;
+typedef struct XrSystemUserPresencePropertiesEXT {
+  XrStructureType type;
+  void* next;
+  XrBool32 supportsUserPresence;
+} XrSystemUserPresencePropertiesEXT;
+#endif
+
 #ifndef XR_FB_haptic_amplitude_envelope
 #define XR_FB_haptic_amplitude_envelope 1
 #define XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME "XR_FB_haptic_amplitude_envelope"

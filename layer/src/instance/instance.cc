@@ -49,6 +49,7 @@ Instance::Instance(InstanceSetup setup)
     : handle(setup.handle),
       next(setup.next),
       hide_timespec(setup.hide_timespec),
+      hide_presence(setup.hide_presence),
       profiles(LoadProfiles()),
       hand_paths{ToPath(setup.next, setup.handle, UserPath(Hand::kLeft)),
                  ToPath(setup.next, setup.handle, UserPath(Hand::kRight))},

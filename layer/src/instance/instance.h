@@ -36,6 +36,7 @@ struct InstanceSetup {
   std::vector<std::string> enabled;    // extensions that the application asked for, and "1.1" where it is such an app
   std::vector<std::string> only_ours;  // of those: unknown below, answered by us
   bool hide_timespec = false;          // enabled by us only: the application must not see it
+  bool hide_presence = false;          // the same: its events
   client::ConnectionInfo connection;
 };
 
@@ -46,6 +47,7 @@ class Instance {
   const XrInstance handle;
   const Dispatch next;
   const bool hide_timespec;
+  const bool hide_presence;
   Log log;
   const std::vector<Profile> profiles;
   const std::array<XrPath, 2> hand_paths;  // by Hand
@@ -114,6 +116,9 @@ class Instance {
 
  private:
   void ReportSessionState();
+  // The runtime's next event for the application.
+  XrResult PollBelow(XrEventDataBuffer* event);
+  void OnUserPresence(const XrEventDataUserPresenceChangedEXT& changed);
 
   const std::vector<std::string> enabled_;
   const std::vector<std::string> only_ours_;

@@ -44,6 +44,7 @@ class Session {
 
   std::atomic<bool> running{false};  // between xrBeginSession and xrEndSession
   std::atomic<bool> focused{false};
+  std::atomic<bool> user_away{false};       // the headset is not worn, says XR_EXT_user_presence
   std::atomic<bool> focus_was_lost{false};  // since the last sync
   std::atomic<bool> profile_event_due{false};
 

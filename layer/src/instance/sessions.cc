@@ -73,13 +73,37 @@ void Instance::ReportSessionState() {
   protocol::SessionState state = protocol::SessionState::kNone;
   sessions.ForEach([&](const Session& session) {
     if (!session.running) return;
-    state = std::max(state, session.focused ? protocol::SessionState::kFocused : protocol::SessionState::kBegun);
+    const bool felt = session.focused && !session.user_away;
+    state = std::max(state, felt ? protocol::SessionState::kFocused : protocol::SessionState::kBegun);
   });
   link.SetSession(state);
 }
 
+// A headset that is taken off ends forces and vibrations as a lost focus does, but for the application nothing changes.
+void Instance::OnUserPresence(const XrEventDataUserPresenceChangedEXT& changed) {
+  const auto session = sessions.Find(changed.session);
+  if (!session) return;
+  session->user_away = changed.isUserPresent == XR_FALSE;
+  if (session->user_away) vibrations.Stop();
+  ReportSessionState();
+}
+
+XrResult Instance::PollBelow(XrEventDataBuffer* event) {
+  const void* const chain = event ? event->next : nullptr;
+  for (;;) {
+    const XrResult result = next.PollEvent(handle, event);
+    if (result != XR_SUCCESS || !event || event->type != XR_TYPE_EVENT_DATA_USER_PRESENCE_CHANGED_EXT) return result;
+    XrEventDataUserPresenceChangedEXT changed;
+    std::memcpy(&changed, event, sizeof(changed));
+    OnUserPresence(changed);
+    if (!hide_presence) return result;
+    event->type = XR_TYPE_EVENT_DATA_BUFFER;
+    event->next = chain;
+  }
+}
+
 XrResult Instance::PollEvent(XrEventDataBuffer* event) {
-  const XrResult result = next.PollEvent(handle, event);
+  const XrResult result = PollBelow(event);
   Alive();
   haptic_scenes.Poll();
   if (result == XR_SUCCESS && event) {
