@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "tests/runtime/entry_points.h"
-#include "tests/runtime/frame/vulkan.h"
 #include "tests/runtime/negotiation.h"
 #include "tests/runtime/state.h"
 
@@ -75,7 +74,8 @@ bool Offers(const Instance& instance, std::string_view name) {
 }  // namespace
 
 State& TheState() {
-  static State state;
+  // Never destroyed: a process may end with swapchains whose graphics library is gone already.
+  static State& state = *new State;
   return state;
 }
 
@@ -98,7 +98,7 @@ XrResult GetInstanceProcAddr(XrInstance instance, const char* name, PFN_xrVoidFu
     // A lost instance still answers: the loader looks up xrDestroyInstance here.
     owner = state.handles.Find<Instance>(instance);
     OMNI_REQUIRE(owner != nullptr, XR_ERROR_HANDLE_INVALID);
-    if (owner->vulkan) *function = FindVulkanFunction(name);
+    *function = FindGraphicsFunction(*owner, name);
     if (*function != nullptr) return XR_SUCCESS;
   }
   const char* const without = std::getenv("OMNI_TEST_RUNTIME_WITHOUT");

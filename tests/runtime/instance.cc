@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "tests/runtime/entry_points.h"
-#include "tests/runtime/frame/vulkan.h"
 #include "tests/runtime/newer_openxr.h"
 #include "tests/runtime/spaces/clock.h"
 #include "tests/runtime/state.h"
@@ -37,18 +36,19 @@ const Extension kExtensions[] = {
     {XR_FB_RENDER_MODEL_EXTENSION_NAME, 4},
     {XR_EXT_RENDER_MODEL_EXTENSION_NAME, 1},
     {XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME, 1},
+    {XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME, XR_KHR_composition_layer_depth_SPEC_VERSION},
     {XR_KHR_COMPOSITION_LAYER_CUBE_EXTENSION_NAME, XR_KHR_composition_layer_cube_SPEC_VERSION},
     {XR_KHR_COMPOSITION_LAYER_CYLINDER_EXTENSION_NAME, XR_KHR_composition_layer_cylinder_SPEC_VERSION},
     {XR_KHR_COMPOSITION_LAYER_EQUIRECT_EXTENSION_NAME, XR_KHR_composition_layer_equirect_SPEC_VERSION},
     {XR_KHR_COMPOSITION_LAYER_EQUIRECT2_EXTENSION_NAME, XR_KHR_composition_layer_equirect2_SPEC_VERSION},
 };
 
-// Those of the table that OMNI_TEST_RUNTIME_WITHOUT does not name, Vulkan where it was built in, vibrations with a
+// Those of the table that OMNI_TEST_RUNTIME_WITHOUT does not name, graphics that were built in, vibrations with a
 // shape where a test wants them, and names that a test adds by OMNI_TEST_RUNTIME_EXTENSIONS (separated by spaces):
 // accepted, without any effect.
 std::vector<Extension> Extensions() {
   std::vector<Extension> all(std::begin(kExtensions), std::end(kExtensions));
-  if (VulkanExtension() != nullptr) all.push_back({VulkanExtension(), 2});
+  for (const GraphicsExtension& graphics : GraphicsExtensions()) all.push_back({graphics.name, graphics.version});
   if (TheState().world.has_shapes) {
     all.push_back({XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME, 1});
     all.push_back({XR_FB_HAPTIC_PCM_EXTENSION_NAME, 1});
@@ -152,7 +152,6 @@ XrResult CreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance) 
   created->binding_modification = created->Enabled(XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME);
   created->analog_threshold = created->Enabled(XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME);
   created->set_priorities = created->Enabled(XR_EXT_ACTIVE_ACTION_SET_PRIORITY_EXTENSION_NAME);
-  created->vulkan = VulkanExtension() != nullptr && created->Enabled(VulkanExtension());
   *instance = Handles::As<XrInstance>(state.handles.Insert(created));
   state.instances.push_back(created);
   return XR_SUCCESS;

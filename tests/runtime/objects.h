@@ -14,13 +14,24 @@
 #include <unordered_map>
 #include <vector>
 
+#include "tests/runtime/graphics/graphics.h"
 #include "tests/runtime/newer_openxr.h"
 #include "tests/runtime/script.h"
 #include "tests/runtime/world.h"
 
 namespace omni::runtime {
 
-enum class Kind : uint8_t { kNone, kInstance, kSession, kActionSet, kAction, kSpace, kHandTracker, kRenderModel };
+enum class Kind : uint8_t {
+  kNone,
+  kInstance,
+  kSession,
+  kActionSet,
+  kAction,
+  kSpace,
+  kHandTracker,
+  kRenderModel,
+  kSwapchain
+};
 
 struct Object {
   Kind kind;
@@ -94,6 +105,14 @@ struct ActionState {
   std::vector<Slot> slots;  // [0]: XR_NULL_PATH; then one per declared subaction path
 };
 
+// What an application has done of the steps that lead to a Vulkan binding. Vulkan's own types, untyped.
+struct VulkanSetup {
+  bool asked = false;                              // for the requirements
+  PFN_xrVoidFunction get_instance_proc = nullptr;  // with which the instance below was made; null: none was
+  void* instance = nullptr;                        // made by xrCreateVulkanInstanceKHR
+  void* physical_device = nullptr;                 // that the application has to use; null: it did not ask
+};
+
 struct Instance : Object {
   static constexpr Kind kKind = Kind::kInstance;
   Instance() : Object(kKind) {}
@@ -108,10 +127,7 @@ struct Instance : Object {
   bool binding_modification = false;
   bool analog_threshold = false;
   bool set_priorities = false;  // XR_EXT_active_action_set_priority
-  bool vulkan = false;          // XR_KHR_vulkan_enable2 is enabled
-  bool vulkan_asked = false;    // its requirements were asked for
-  PFN_xrVoidFunction vulkan_get = nullptr;
-  void* vulkan_instance = nullptr;
+  VulkanSetup vulkan;
   std::vector<std::string> paths;
   std::unordered_map<std::string, uint32_t> path_ids;
   std::deque<XrEventDataBuffer> events;
@@ -146,12 +162,15 @@ struct Session : Object {
 
   bool frame_waited = false;
   bool frame_begun = false;
+  bool in_step = false;  // has ended a frame since it began
   XrTime next_frame = 0;
 
   std::vector<SessionModel> models;
   XrRenderModelIdEXT last_model = 0;
 
-  std::vector<uint64_t> children;  // handles: spaces, hand trackers, render models
+  std::shared_ptr<Graphics> graphics;  // null: headless
+
+  std::vector<uint64_t> children;  // handles: spaces, hand trackers, render models, swapchains
 };
 
 struct RenderModel : Object {
@@ -160,6 +179,19 @@ struct RenderModel : Object {
   Session* session = nullptr;
   XrRenderModelIdEXT id = 0;
   int hand = 0;
+};
+
+struct Swapchain : Object {
+  static constexpr Kind kKind = Kind::kSwapchain;
+  Swapchain() : Object(kKind) {}
+  Session* session = nullptr;
+  XrSwapchainCreateInfo info{};
+  uint32_t count = 0;
+  std::unique_ptr<Images> images;
+  uint32_t next = 0;              // image that is acquired next
+  std::deque<uint32_t> acquired;  // and not released, the oldest first
+  bool waited = false;            // for the oldest
+  int released = -1;              // the newest; -1: none was
 };
 
 struct Space : Object {

@@ -4,13 +4,11 @@
 #include <mutex>
 
 #include "tests/runtime/entry_points.h"
-#include "tests/runtime/frame/vulkan.h"
 #include "tests/runtime/state.h"
 #include "tests/runtime/system.h"
 
 namespace omni::runtime {
 
-// XR_MND_headless, or a Vulkan device of XR_KHR_vulkan_enable2; other graphics cannot be without a display.
 XrResult CreateSession(XrInstance instance, const XrSessionCreateInfo* info, XrSession* session) {
   State& state = TheState();
   const std::unique_lock lock(state.mutex);
@@ -18,10 +16,9 @@ XrResult CreateSession(XrInstance instance, const XrSessionCreateInfo* info, XrS
   OMNI_REQUIRE(Is(info, XR_TYPE_SESSION_CREATE_INFO) && session != nullptr, XR_ERROR_VALIDATION_FAILURE);
   OMNI_REQUIRE(info->createFlags == 0, XR_ERROR_VALIDATION_FAILURE);
   OMNI_REQUIRE(info->systemId == kSystemId, XR_ERROR_SYSTEM_INVALID);
-  if (!owner->headless || info->next != nullptr) {
-    if (const XrResult check = CheckVulkanBinding(*owner, info->next); XR_FAILED(check)) return check;
-  }
   const auto created = std::make_shared<Session>();
+  const XrResult check = CreateGraphics(*owner, info->next, &created->graphics);
+  if (XR_FAILED(check)) return check;
   created->instance = owner;
   *session = Handles::As<XrSession>(state.handles.Insert(created));
   owner->sessions.push_back(created);
@@ -48,7 +45,7 @@ XrResult BeginSession(XrSession session, const XrSessionBeginInfo* info) {
   OMNI_REQUIRE(!owner->running, XR_ERROR_SESSION_RUNNING);
   OMNI_REQUIRE(owner->state == XR_SESSION_STATE_READY, XR_ERROR_SESSION_NOT_READY);
   owner->running = true;
-  owner->frame_waited = owner->frame_begun = false;
+  owner->frame_waited = owner->frame_begun = owner->in_step = false;
   owner->next_frame = 0;
   return XR_SUCCESS;
 }

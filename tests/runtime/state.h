@@ -41,6 +41,7 @@ inline XrResult Loss(const Session& session) {
 }
 inline XrResult Loss(const ActionSet& set) { return Loss(*set.instance); }
 inline XrResult Loss(const Action& action) { return Loss(*action.set); }
+inline XrResult Loss(const Swapchain& swapchain) { return Loss(*swapchain.session); }
 inline XrResult Loss(const Space& space) { return Loss(*space.session); }
 inline XrResult Loss(const HandTracker& tracker) { return Loss(*tracker.session); }
 inline XrResult Loss(const RenderModel& model) { return Loss(*model.session); }
