@@ -21,7 +21,9 @@ XrSessionState NextState(const Session& session, bool focus) {
     case XR_SESSION_STATE_IDLE:
       return exit ? XR_SESSION_STATE_EXITING : XR_SESSION_STATE_READY;
     case XR_SESSION_STATE_READY:
-      return session.running ? XR_SESSION_STATE_SYNCHRONIZED : session.state;
+      // Headless sessions need no frames.
+      return session.running && (session.in_step || session.graphics == nullptr) ? XR_SESSION_STATE_SYNCHRONIZED
+                                                                                 : session.state;
     case XR_SESSION_STATE_SYNCHRONIZED:
       return exit ? XR_SESSION_STATE_STOPPING : XR_SESSION_STATE_VISIBLE;
     case XR_SESSION_STATE_VISIBLE:

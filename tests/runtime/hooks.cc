@@ -127,6 +127,13 @@ int omni_test_refuse_instances(int result) {
   });
 }
 
+int omni_test_hold_images(int held) {
+  return Alone([&](auto& state) {
+    state.world.holds_images = held != 0;
+    return true;
+  });
+}
+
 int omni_test_tell_velocities(int reported) {
   return Alone([&](auto& state) {
     state.world.tells_velocities = reported != 0;

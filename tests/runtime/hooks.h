@@ -76,6 +76,8 @@ int omni_test_offer_shapes(int offered);
 int omni_test_refuse_instances(int result);
 // 0: no velocity is ever valid, as with runtimes that do not know them.
 int omni_test_tell_velocities(int reported);
+// 1: the display keeps reading every swapchain image, so that xrWaitSwapchainImage times out; 0: it is done.
+int omni_test_hold_images(int held);
 // The hand that XR_EXT_hand_tracking sees; `pose` of the palm in STAGE, null to keep it.
 int omni_test_set_hand(const char* hand, int active, const float pose[7], const float velocity[6]);
 // The user quits the application: every running session goes to STOPPING.

@@ -31,7 +31,7 @@ void World::Reset() {
   local_origins.assign(1, {0, {{0, 0, 0, 1}, {0, kEyeHeight_m, 0}}});
   stage_origins.assign(1, {0, kIdentity});
   has_stage = has_timespec = tells_velocities = true;
-  has_shapes = false;
+  has_shapes = holds_images = false;
   creation = XR_SUCCESS;
   for (int hand = 0; hand < kHands; ++hand) {
     devices[hand] = {};

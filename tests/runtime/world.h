@@ -75,6 +75,7 @@ struct World {
   bool has_shapes = false;       // vibrations with a shape: XR_FB_haptic_amplitude_envelope, XR_FB_haptic_pcm
   bool has_timespec = true;      // false: new instances cannot convert times
   bool tells_velocities = true;  // false: no XrSpaceVelocity is ever valid
+  bool holds_images = false;     // true: the display keeps reading every swapchain image
   bool focus = true;
   XrResult creation = XR_SUCCESS;  // what xrCreateInstance returns, if it is an error
   uint32_t next_epoch = 1;

@@ -1,4 +1,4 @@
-// The frame loop: paced and checked, without a display. Swapchains cannot exist without a graphics device.
+// The frame loop: paced and checked, without a display.
 
 #include <algorithm>
 #include <mutex>
@@ -17,10 +17,9 @@ constexpr XrDuration kPollPeriod_ns = 500'000;
 constexpr float kHalfEyeDistance_m = 0.032f;
 constexpr float kHalfFieldOfView_rad = 0.785f;
 
-void SleepUntil(XrTime time) {
-  const int64_t monotonic_ns = time - kTimeOffset_ns;
-  const timespec until{monotonic_ns / kSecond_ns, monotonic_ns % kSecond_ns};
-  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+bool IsShown(const Session& session) {
+  const bool visible = session.state == XR_SESSION_STATE_VISIBLE || session.state == XR_SESSION_STATE_FOCUSED;
+  return session.graphics != nullptr && visible;
 }
 
 // Every pose that is handed out is renewed: in the base space at display time.
@@ -54,7 +53,7 @@ XrResult WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameState*
         owner->next_frame = std::max(owner->next_frame + kFramePeriod_ns, now);
         frame->predictedDisplayTime = owner->next_frame + kFramePeriod_ns;
         frame->predictedDisplayPeriod = kFramePeriod_ns;
-        frame->shouldRender = XR_FALSE;
+        frame->shouldRender = IsShown(*owner) ? XR_TRUE : XR_FALSE;
         return XR_SUCCESS;
       }
       wake = std::max(owner->next_frame, now + kPollPeriod_ns);
@@ -88,6 +87,7 @@ XrResult EndFrame(XrSession session, const XrFrameEndInfo* info) {
   RecordFrame(*info);
   if (const XrResult check = CheckFrameLayers(*owner, *info); XR_FAILED(check)) return check;
   owner->frame_begun = false;
+  owner->in_step = true;
   return XR_SUCCESS;
 }
 
@@ -118,30 +118,5 @@ XrResult LocateViews(XrSession session, const XrViewLocateInfo* info, XrViewStat
   if (capacity != 0) FillViews(head.motion, views);
   return XR_SUCCESS;
 }
-
-XrResult EnumerateSwapchainFormats(XrSession session, uint32_t capacity, uint32_t* count, int64_t* formats) {
-  State& state = TheState();
-  const std::shared_lock lock(state.mutex);
-  OMNI_FIND(Session, owner, session);
-  return TwoCall(0, capacity, count, formats, [](uint32_t, int64_t&) {});
-}
-
-XrResult CreateSwapchain(XrSession session, const XrSwapchainCreateInfo* info, XrSwapchain* swapchain) {
-  State& state = TheState();
-  const std::shared_lock lock(state.mutex);
-  OMNI_FIND(Session, owner, session);
-  OMNI_REQUIRE(Is(info, XR_TYPE_SWAPCHAIN_CREATE_INFO) && swapchain != nullptr, XR_ERROR_VALIDATION_FAILURE);
-  return XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED;
-}
-
-XrResult DestroySwapchain(XrSwapchain) { return XR_ERROR_HANDLE_INVALID; }
-XrResult EnumerateSwapchainImages(XrSwapchain, uint32_t, uint32_t*, XrSwapchainImageBaseHeader*) {
-  return XR_ERROR_HANDLE_INVALID;
-}
-XrResult AcquireSwapchainImage(XrSwapchain, const XrSwapchainImageAcquireInfo*, uint32_t*) {
-  return XR_ERROR_HANDLE_INVALID;
-}
-XrResult WaitSwapchainImage(XrSwapchain, const XrSwapchainImageWaitInfo*) { return XR_ERROR_HANDLE_INVALID; }
-XrResult ReleaseSwapchainImage(XrSwapchain, const XrSwapchainImageReleaseInfo*) { return XR_ERROR_HANDLE_INVALID; }
 
 }  // namespace omni::runtime

@@ -17,4 +17,10 @@ inline XrTime Now() {
   return int64_t{now.tv_sec} * kSecond_ns + now.tv_nsec + kTimeOffset_ns;
 }
 
+inline void SleepUntil(XrTime time) {
+  const int64_t monotonic_ns = time - kTimeOffset_ns;
+  const timespec until{monotonic_ns / kSecond_ns, monotonic_ns % kSecond_ns};
+  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+}
+
 }  // namespace omni::runtime
