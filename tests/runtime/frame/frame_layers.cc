@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/runtime/frame/sub_images.h"
 #include "tests/runtime/system.h"
 
 namespace omni::runtime {
@@ -64,9 +65,11 @@ XrResult CheckLayer(const Session& session, const XrCompositionLayerBaseHeader* 
                XR_ERROR_LAYER_INVALID);
   OMNI_FIND(Space, space, layer->space);
   OMNI_REQUIRE(space->session == &session, XR_ERROR_VALIDATION_FAILURE);
-  if (const auto* const projection = AsProjection(*layer)) return CheckViews(*projection);
+  if (const auto* const projection = AsProjection(*layer)) {
+    if (const XrResult check = CheckViews(*projection); XR_FAILED(check)) return check;
+  }
   OMNI_REQUIRE(IsValid(type->pose(*layer)), XR_ERROR_POSE_INVALID);
-  return XR_SUCCESS;
+  return CheckSubImages(session, *layer);
 }
 
 void CopyPose(const XrPosef& pose, float out[7]) {

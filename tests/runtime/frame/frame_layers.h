@@ -6,8 +6,7 @@
 
 namespace omni::runtime {
 
-// Spaces of this session, types that are enabled, unit orientations. Images are not checked: without a display there
-// are no swapchains.
+// Spaces of this session, types that are enabled, unit orientations; images (sub_images.h).
 XrResult CheckFrameLayers(const Session& session, const XrFrameEndInfo& info);
 
 // The newest frame that came down, accepted or not. The caller holds the state exclusively.
