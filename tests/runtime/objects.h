@@ -164,6 +164,7 @@ struct Session : Object {
   bool frame_begun = false;
   bool in_step = false;  // has ended a frame since it began
   XrTime next_frame = 0;
+  uint64_t frames_shown = 0;  // accepted, with layers
 
   std::vector<SessionModel> models;
   XrRenderModelIdEXT last_model = 0;

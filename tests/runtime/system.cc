@@ -12,8 +12,6 @@ namespace {
 
 constexpr XrEnvironmentBlendMode kBlendModes[] = {XR_ENVIRONMENT_BLEND_MODE_OPAQUE,
                                                   XR_ENVIRONMENT_BLEND_MODE_ALPHA_BLEND};
-constexpr uint32_t kEyeWidth = 1024;
-constexpr uint32_t kEyeHeight = 1024;
 
 XrResult CheckView(XrSystemId system, XrViewConfigurationType type) {
   OMNI_REQUIRE(system == kSystemId, XR_ERROR_SYSTEM_INVALID);

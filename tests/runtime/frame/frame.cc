@@ -5,6 +5,8 @@
 
 #include "tests/runtime/entry_points.h"
 #include "tests/runtime/frame/frame_layers.h"
+#include "tests/runtime/frame/views.h"
+#include "tests/runtime/graphics/composer.h"
 #include "tests/runtime/spaces/clock.h"
 #include "tests/runtime/spaces/locate.h"
 #include "tests/runtime/system.h"
@@ -14,8 +16,6 @@ namespace {
 
 constexpr XrDuration kFramePeriod_ns = kSecond_ns / 90;
 constexpr XrDuration kPollPeriod_ns = 500'000;
-constexpr float kHalfEyeDistance_m = 0.032f;
-constexpr float kHalfFieldOfView_rad = 0.785f;
 
 bool IsShown(const Session& session) {
   const bool visible = session.state == XR_SESSION_STATE_VISIBLE || session.state == XR_SESSION_STATE_FOCUSED;
@@ -25,10 +25,9 @@ bool IsShown(const Session& session) {
 // Every pose that is handed out is renewed: in the base space at display time.
 void FillViews(const Motion& head_in_base, XrView* views) {
   for (uint32_t eye = 0; eye < kEyes; ++eye) {
-    XrPosef offset = kIdentity;
-    offset.position.x = eye == 0 ? -kHalfEyeDistance_m : kHalfEyeDistance_m;
-    views[eye].pose = Compose(head_in_base.pose, offset);
-    views[eye].fov = {-kHalfFieldOfView_rad, kHalfFieldOfView_rad, kHalfFieldOfView_rad, -kHalfFieldOfView_rad};
+    const XrView view = EyeView(head_in_base.pose, eye);
+    views[eye].pose = view.pose;
+    views[eye].fov = view.fov;
   }
 }
 
@@ -88,7 +87,7 @@ XrResult EndFrame(XrSession session, const XrFrameEndInfo* info) {
   if (const XrResult check = CheckFrameLayers(*owner, *info); XR_FAILED(check)) return check;
   owner->frame_begun = false;
   owner->in_step = true;
-  return XR_SUCCESS;
+  return SavePictures(state.world, *owner, *info);
 }
 
 XrResult LocateViews(XrSession session, const XrViewLocateInfo* info, XrViewState* view_state, uint32_t capacity,

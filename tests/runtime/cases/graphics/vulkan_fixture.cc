@@ -107,7 +107,8 @@ XrResult VulkanTest::CreateSession(const void* chain, XrSession* session) {
 
 XrSwapchainCreateInfo VulkanTest::ColorInfo() {
   auto info = Make<XrSwapchainCreateInfo>(XR_TYPE_SWAPCHAIN_CREATE_INFO);
-  info.usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT;
+  info.usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT |
+                    XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT;
   info.format = VK_FORMAT_R8G8B8A8_SRGB;
   info.sampleCount = info.faceCount = info.mipCount = 1;
   info.width = 64;
@@ -146,13 +147,14 @@ XrResult VulkanTest::Wait(XrSwapchain swapchain, XrDuration timeout) {
 
 namespace {
 
-// From the layout in which an application has the image to one in which it can be filled, and back.
-void Fill(VkCommandBuffer commands, VkImage image, const VkClearColorValue& color) {
+// Array i gets colors[i]; then the upper left quarter of the first gets the colour of the second.
+void Fill(VkCommandBuffer commands, VkImage image, const XrSwapchainCreateInfo& info,
+          const std::vector<VkClearColorValue>& colors) {
   VkImageMemoryBarrier barrier{};
   barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
   barrier.srcAccessMask = barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
   barrier.oldLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-  barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+  barrier.newLayout = VK_IMAGE_LAYOUT_GENERAL;
   barrier.image = image;
   barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS};
   const auto change = [&] {
@@ -160,18 +162,28 @@ void Fill(VkCommandBuffer commands, VkImage image, const VkClearColorValue& colo
                          nullptr, 0, nullptr, 1, &barrier);
   };
   change();
-  vkCmdClearColorImage(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &color, 1, &barrier.subresourceRange);
-  std::swap(barrier.oldLayout, barrier.newLayout);
+  for (uint32_t i = 0; i < colors.size(); ++i) {
+    const VkImageSubresourceRange array{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, i, 1};
+    vkCmdClearColorImage(commands, image, VK_IMAGE_LAYOUT_GENERAL, &colors[i], 1, &array);
+  }
+  barrier.oldLayout = VK_IMAGE_LAYOUT_GENERAL;
+  change();
+  VkImageCopy quarter{};
+  quarter.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 1};
+  quarter.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  quarter.extent = {info.width / 2, info.height / 2, 1};
+  vkCmdCopyImage(commands, image, VK_IMAGE_LAYOUT_GENERAL, image, VK_IMAGE_LAYOUT_GENERAL, 1, &quarter);
+  barrier.newLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
   change();
 }
 
 }  // namespace
 
-void VulkanTest::Show(XrSwapchain swapchain, const VkClearColorValue* color) {
+void VulkanTest::Show(XrSwapchain swapchain, const std::vector<VkClearColorValue>& colors) {
   uint32_t index = 0;
   ASSERT_EQ(Acquire(swapchain, &index), XR_SUCCESS);
   ASSERT_EQ(Wait(swapchain), XR_SUCCESS);
-  if (color != nullptr) {
+  if (!colors.empty()) {
     const VkCommandPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, nullptr, 0, 0};
     VkCommandPool pool = VK_NULL_HANDLE;
     ASSERT_EQ(vkCreateCommandPool(device_, &pool_info, nullptr, &pool), VK_SUCCESS);
@@ -182,7 +194,7 @@ void VulkanTest::Show(XrSwapchain swapchain, const VkClearColorValue* color) {
     VkCommandBufferBeginInfo begin{};
     begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
     ASSERT_EQ(vkBeginCommandBuffer(commands, &begin), VK_SUCCESS);
-    Fill(commands, Images(swapchain)[index].image, *color);
+    Fill(commands, Images(swapchain)[index].image, ColorInfo(), colors);
     ASSERT_EQ(vkEndCommandBuffer(commands), VK_SUCCESS);
     VkSubmitInfo submit{};
     submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;

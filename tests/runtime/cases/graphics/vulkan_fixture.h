@@ -33,15 +33,16 @@ class VulkanTest : public RuntimeTest {
   XrResult CreateSession(const void* chain, XrSession* session);
   void DestroyVulkan();
 
-  // A colour swapchain with room for two arrays, changed by `change` first.
+  // 64 x 48 texels in two arrays.
   XrSwapchainCreateInfo ColorInfo();
   XrSwapchain AddSwapchain(const XrSwapchainCreateInfo& info);
   std::vector<XrSwapchainImageVulkanKHR> Images(XrSwapchain swapchain);
   XrResult Acquire(XrSwapchain swapchain, uint32_t* index = nullptr);
   XrResult Wait(XrSwapchain swapchain, XrDuration timeout = 0);
   XrResult Release(XrSwapchain swapchain) { return xrReleaseSwapchainImage(swapchain, nullptr); }
-  // Acquire, wait, release; with `color` every array is filled with it.
-  void Show(XrSwapchain swapchain, const VkClearColorValue* color = nullptr);
+  // Acquire, wait, release. With two colours, of two arrays, the upper left quarter of the first is filled with that of
+  // the second.
+  void Show(XrSwapchain swapchain, const std::vector<VkClearColorValue>& colors = {});
 
   // To FOCUSED, with empty frames.
   void RunToFocus();
