@@ -100,6 +100,11 @@ bool LoseSessions(State& state) {
   return true;
 }
 
+bool KillRuntime(State& state) {
+  for (const auto& instance : state.instances) instance->lost = true;
+  return true;
+}
+
 bool LoseInstances(State& state) {
   for (const auto& instance : state.instances) {
     Push(*instance, XrEventDataInstanceLossPending{XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING, nullptr, Now()});

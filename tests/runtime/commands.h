@@ -27,5 +27,7 @@ bool Recenter(State& state, XrReferenceSpaceType space, const XrPosef& pose, XrD
 bool RequestExit(State& state);
 bool LoseSessions(State& state);
 bool LoseInstances(State& state);
+// The runtime dies: no event, every function returns XR_ERROR_INSTANCE_LOST at once.
+bool KillRuntime(State& state);
 
 }  // namespace omni::runtime

@@ -162,6 +162,10 @@ int omni_test_lose_instance(void) {
   return Alone([](auto& state) { return omni::runtime::LoseInstances(state); });
 }
 
+int omni_test_kill_runtime(void) {
+  return Alone([](auto& state) { return omni::runtime::KillRuntime(state); });
+}
+
 int omni_test_haptics(const char* hand, OmniTestHaptics* haptics) {
   const int index = omni::runtime::HandIndex(Text(hand));
   if (index < 0 || haptics == nullptr) return -1;

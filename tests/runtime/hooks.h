@@ -86,6 +86,8 @@ int omni_test_request_exit(void);
 int omni_test_lose_session(void);
 // Every instance: the loss event is queued; once it has been polled, all functions return XR_ERROR_INSTANCE_LOST.
 int omni_test_lose_instance(void);
+// The runtime dies without an event: every instance is lost at once.
+int omni_test_kill_runtime(void);
 
 int omni_test_haptics(const char* hand, struct OmniTestHaptics* haptics);
 // The newest xrEndFrame that came down, accepted or not; info is null before the first.

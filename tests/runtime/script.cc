@@ -65,6 +65,7 @@ constexpr Command kCommands[] = {
     {"exit", "", 0, [](State& state, const Words&) { return RequestExit(state); }},
     {"lose_session", "", 0, [](State& state, const Words&) { return LoseSessions(state); }},
     {"lose_instance", "", 0, [](State& state, const Words&) { return LoseInstances(state); }},
+    {"kill_runtime", "", 0, [](State& state, const Words&) { return KillRuntime(state); }},
 };
 
 const Command* FindCommand(std::string_view name) {

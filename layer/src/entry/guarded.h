@@ -44,11 +44,14 @@ struct Entry<XrResult(XRAPI_PTR*)(Handle, Arguments...), kMethod> {
       using Part = decltype(ClassOf(kMethod));
       Part& part = std::get<Part&>(instance->Parts());
       if constexpr (std::is_same_v<Part, HapticScenes>) instance->Alive();
+      XrResult result = XR_SUCCESS;
       if constexpr (std::is_same_v<Handle, XrInstance>) {
-        return (part.*kMethod)(arguments...);
+        result = (part.*kMethod)(arguments...);
       } else {
-        return (part.*kMethod)(handle, arguments...);
+        result = (part.*kMethod)(handle, arguments...);
       }
+      if (result == XR_ERROR_INSTANCE_LOST || result == XR_ERROR_SESSION_LOST) instance->OnLoss();
+      return result;
     });
   }
 };

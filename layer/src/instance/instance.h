@@ -99,6 +99,9 @@ class Instance {
   const std::vector<std::string>& enabled_below() const noexcept { return enabled_below_; }
 
   void SetFocus(Session& session, bool focused);
+  // A call returned XR_ERROR_INSTANCE_LOST or XR_ERROR_SESSION_LOST. A session that lives on has focus at its next
+  // sync.
+  void OnLoss();
 
   // Updates the heartbeat and, when due, polls the socket. Not from xrLocateSpace, which makes no system call.
   void Alive() {

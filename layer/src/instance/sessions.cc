@@ -69,6 +69,11 @@ void Instance::SetFocus(Session& session, bool focused) {
   ReportSessionState();
 }
 
+// A runtime that dies sends no event: forces and vibrations end with the first call that says so.
+void Instance::OnLoss() {
+  for (const auto& session : sessions.Values()) SetFocus(*session, false);
+}
+
 void Instance::ReportSessionState() {
   protocol::SessionState state = protocol::SessionState::kNone;
   sessions.ForEach([&](const Session& session) {
