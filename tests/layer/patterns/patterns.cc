@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <set>
 #include <sstream>
@@ -10,6 +12,7 @@
 #include <tuple>
 #include <vector>
 
+#include "tests/layer/patterns/page.h"
 #include "tests/layer/patterns/player.h"
 #include "tests/layer/patterns/simulation.h"
 
@@ -258,6 +261,25 @@ TEST(Patterns, ProfilesBindThePoseAndTheControllersOwnProfileThePress) {
     }
     EXPECT_EQ(pattern.program, !pattern.version.empty()) << pattern.name;
   }
+}
+
+std::string Document(const std::string& name) {
+  std::ifstream in(OMNI_SOURCE_DIR "/docs/howto/" + name);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(Patterns, PageIsCurrent) {
+  EXPECT_TRUE(Page() == Document("engines.md"))
+      << "run " OMNI_BINARY_DIR "/bin/layer_patterns_page > docs/howto/engines.md";
+}
+
+TEST(Patterns, HeadsetPageNamesEveryProgram) {
+  const std::string page = Document("headset.md");
+  const std::size_t row = page.find("| pattern tested");
+  ASSERT_NE(row, std::string::npos);
+  const std::string tested = page.substr(row, page.find('\n', row) - row);
+  for (const Pattern& pattern : Patterns())
+    EXPECT_TRUE(!pattern.program || tested.find(pattern.name) != std::string::npos) << pattern.name;
 }
 
 }  // namespace omni::test::patterns
