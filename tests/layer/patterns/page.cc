@@ -47,8 +47,8 @@ constexpr const char* kTable = R"(
 ## What is tested
 
 Each cell is a test, `layer.Of/Programs.ShowsWhatHoldsEachHand/PROGRAM_SCENARIO`, for the pen in either hand. It says what is judged after
-every step, for both hands: the **p**ose (whose, within 1 mm, TRACKED or not), p**r**ess and release, the **h**aptic, the **n**ame or current
-profile, the **m**odel. A dash: the program does not ask. The truth is what the test has fed into the service and the runtime. In between, no
+every step, for both hands: `p` the pose (whose, within 1 mm, TRACKED or not), `r` press and release, `h` the vibration, `n` the name or
+current profile, `m` the model. A dash: the program does not ask. The truth is what the test has fed into the service and the runtime. In between, no
 frame may show a hand where neither pen nor controller is.
 
 | program |)";
