@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/runtime/crash_note.h"
 #include "tests/runtime/entry_points.h"
 #include "tests/runtime/newer_openxr.h"
 #include "tests/runtime/spaces/clock.h"
@@ -145,6 +146,7 @@ XrResult CreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance) 
       return XR_ERROR_RUNTIME_FAILURE;
     }
   }
+  NoteCrashes();
   created->serial = ++state.instances_created;
   created->version_1_1 = XR_VERSION_MINOR(info->applicationInfo.apiVersion) >= 1;
   created->extensions.assign(info->enabledExtensionNames, info->enabledExtensionNames + info->enabledExtensionCount);

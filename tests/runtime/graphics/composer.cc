@@ -15,7 +15,7 @@
 namespace omni::runtime {
 namespace {
 
-constexpr uint64_t kEvery = 30;
+constexpr uint64_t kEvery = 10;
 constexpr const char* kEyeNames[kEyes] = {"left", "right"};
 
 struct Uv {

@@ -7,7 +7,7 @@
 
 namespace omni::runtime {
 
-// With OMNI_TEST_RUNTIME_PICTURES=FOLDER, of the first frame of a session that has layers and of every 30th after it:
+// With OMNI_TEST_RUNTIME_PICTURES=FOLDER, of the first frame of a session that has layers and of every tenth after it:
 // FOLDER/left.png, right.png, and then frame.txt with the number of that frame and of its layers. Each file is replaced
 // as a whole. Precondition: CheckFrameLayers found nothing wrong. XR_ERROR_RUNTIME_FAILURE: an image could not be read,
 // or a file not written.
