@@ -112,7 +112,7 @@ const std::vector<Rule>& Rules() {
 
 const std::vector<Confined>& ConfinedHeaders() {
   static const std::vector<Confined> kConfined = {
-      {"tiny_gltf.h", {"tests/scene/decode_judge.cc"}},
+      {"tiny_gltf.h", {"tests/scene/decode_judge.cc", "tests/scenes/pen.cc"}},
       {"stb/", {"service/scene/tags/haptic_texture.cc", "tests/bench/haptics/scene_files.cc"}},
       {"libusb", {"service/device/usb/libusb_"}},
       {"ceres/", {"tests/bench/peers/"}},
