@@ -144,76 +144,6 @@ typedef XrResult(XRAPI_PTR* PFN_xrLocateSpaces)(XrSession session, const XrSpace
 typedef PFN_xrLocateSpaces PFN_xrLocateSpacesKHR;
 #endif
 
-#ifndef XR_EXT_render_model
-#define XR_EXT_render_model 1
-#define XR_EXT_RENDER_MODEL_EXTENSION_NAME "XR_EXT_render_model"
-#define XR_TYPE_RENDER_MODEL_CREATE_INFO_EXT (static_cast<XrStructureType>(1000300000))
-#define XR_TYPE_RENDER_MODEL_SPACE_CREATE_INFO_EXT (static_cast<XrStructureType>(1000300003))
-#define XR_ERROR_RENDER_MODEL_ID_INVALID_EXT (static_cast<XrResult>(-1000300000))
-XR_DEFINE_ATOM(XrRenderModelIdEXT)
-XR_DEFINE_HANDLE(XrRenderModelEXT)
-typedef struct XrRenderModelCreateInfoEXT {
-  XrStructureType type;
-  const void* next;
-  XrRenderModelIdEXT renderModelId;
-  uint32_t gltfExtensionCount;
-  const char* const* gltfExtensions;
-} XrRenderModelCreateInfoEXT;
-typedef struct XrRenderModelSpaceCreateInfoEXT {
-  XrStructureType type;
-  const void* next;
-  XrRenderModelEXT renderModel;
-} XrRenderModelSpaceCreateInfoEXT;
-typedef XrResult(XRAPI_PTR* PFN_xrCreateRenderModelEXT)(XrSession session, const XrRenderModelCreateInfoEXT* createInfo,
-                                                        XrRenderModelEXT* renderModel);
-typedef XrResult(XRAPI_PTR* PFN_xrDestroyRenderModelEXT)(XrRenderModelEXT renderModel);
-typedef XrResult(XRAPI_PTR* PFN_xrCreateRenderModelSpaceEXT)(XrSession session,
-                                                             const XrRenderModelSpaceCreateInfoEXT* createInfo,
-                                                             XrSpace* space);
-#endif
-static_assert(sizeof(XrRenderModelCreateInfoEXT) == 40 && offsetof(XrRenderModelCreateInfoEXT, renderModelId) == 16 &&
-              offsetof(XrRenderModelCreateInfoEXT, gltfExtensions) == 32);
-static_assert(sizeof(XrRenderModelSpaceCreateInfoEXT) == 24);
-
-#ifndef XR_EXT_interaction_render_model
-#define XR_EXT_interaction_render_model 1
-#define XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME "XR_EXT_interaction_render_model"
-#define XR_TYPE_INTERACTION_RENDER_MODEL_IDS_ENUMERATE_INFO_EXT (static_cast<XrStructureType>(1000301000))
-#define XR_TYPE_INTERACTION_RENDER_MODEL_SUBACTION_PATH_INFO_EXT (static_cast<XrStructureType>(1000301001))
-#define XR_TYPE_EVENT_DATA_INTERACTION_RENDER_MODELS_CHANGED_EXT (static_cast<XrStructureType>(1000301002))
-#define XR_TYPE_INTERACTION_RENDER_MODEL_TOP_LEVEL_USER_PATH_GET_INFO_EXT (static_cast<XrStructureType>(1000301003))
-typedef struct XrInteractionRenderModelIdsEnumerateInfoEXT {
-  XrStructureType type;
-  const void* next;
-} XrInteractionRenderModelIdsEnumerateInfoEXT;
-typedef struct XrInteractionRenderModelSubactionPathInfoEXT {
-  XrStructureType type;
-  const void* next;
-} XrInteractionRenderModelSubactionPathInfoEXT;
-typedef struct XrInteractionRenderModelTopLevelUserPathGetInfoEXT {
-  XrStructureType type;
-  const void* next;
-  uint32_t topLevelUserPathCount;
-  const XrPath* topLevelUserPaths;
-} XrInteractionRenderModelTopLevelUserPathGetInfoEXT;
-typedef struct XrEventDataInteractionRenderModelsChangedEXT {
-  XrStructureType type;
-  const void* next;
-} XrEventDataInteractionRenderModelsChangedEXT;
-typedef XrResult(XRAPI_PTR* PFN_xrEnumerateInteractionRenderModelIdsEXT)(
-    XrSession session, const XrInteractionRenderModelIdsEnumerateInfoEXT* getInfo, uint32_t renderModelIdCapacityInput,
-    uint32_t* renderModelIdCountOutput, XrRenderModelIdEXT* renderModelIds);
-typedef XrResult(XRAPI_PTR* PFN_xrEnumerateRenderModelSubactionPathsEXT)(
-    XrRenderModelEXT renderModel, const XrInteractionRenderModelSubactionPathInfoEXT* info, uint32_t pathCapacityInput,
-    uint32_t* pathCountOutput, XrPath* paths);
-typedef XrResult(XRAPI_PTR* PFN_xrGetRenderModelPoseTopLevelUserPathEXT)(
-    XrRenderModelEXT renderModel, const XrInteractionRenderModelTopLevelUserPathGetInfoEXT* info,
-    XrPath* topLevelUserPath);
-#endif
-static_assert(sizeof(XrInteractionRenderModelTopLevelUserPathGetInfoEXT) == 32 &&
-              offsetof(XrInteractionRenderModelTopLevelUserPathGetInfoEXT, topLevelUserPaths) == 24);
-static_assert(sizeof(XrEventDataInteractionRenderModelsChangedEXT) == 16);
-
 #ifndef XR_FB_render_model
 #define XR_FB_render_model 1
 #define XR_FB_RENDER_MODEL_EXTENSION_NAME "XR_FB_render_model"
@@ -246,3 +176,5 @@ typedef XrResult(XRAPI_PTR* PFN_xrGetRenderModelPropertiesFB)(XrSession session,
 static_assert(sizeof(XrRenderModelPathInfoFB) == 24);
 static_assert(sizeof(XrRenderModelPropertiesFB) == 112 && offsetof(XrRenderModelPropertiesFB, modelKey) == 88 &&
               offsetof(XrRenderModelPropertiesFB, flags) == 104);
+
+#include "layer/src/entry/render_model_compat.h"
