@@ -74,6 +74,12 @@
   X(CreateRenderModelEXT)                  \
   X(DestroyRenderModelEXT)                 \
   X(CreateRenderModelSpaceEXT)             \
+  X(GetRenderModelPropertiesEXT)           \
+  X(GetRenderModelStateEXT)                \
+  X(CreateRenderModelAssetEXT)             \
+  X(DestroyRenderModelAssetEXT)            \
+  X(GetRenderModelAssetDataEXT)            \
+  X(GetRenderModelAssetPropertiesEXT)      \
   X(EnumerateInteractionRenderModelIdsEXT) \
   X(EnumerateRenderModelSubactionPathsEXT) \
   X(GetRenderModelPoseTopLevelUserPathEXT) \

@@ -106,6 +106,20 @@ int omni_test_offer_stage(int offered) {
   });
 }
 
+int omni_test_offer_models(int offered) {
+  return Alone([&](auto& state) {
+    state.world.has_models = offered != 0;
+    return true;
+  });
+}
+
+int omni_test_number_models(uint64_t first) {
+  return Alone([&](auto& state) {
+    state.world.first_model = first;
+    return first > 0;
+  });
+}
+
 int omni_test_offer_timespec(int offered) {
   return Alone([&](auto& state) {
     state.world.has_timespec = offered != 0;

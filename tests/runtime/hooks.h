@@ -72,6 +72,10 @@ int omni_test_offer_stage(int offered);
 int omni_test_offer_timespec(int offered);
 // 1: new instances may have XR_FB_haptic_amplitude_envelope and XR_FB_haptic_pcm (of one call 1000 samples are taken).
 int omni_test_offer_shapes(int offered);
+// 0: new instances cannot enable XR_EXT_uuid, XR_EXT_render_model, XR_EXT_interaction_render_model.
+int omni_test_offer_models(int offered);
+// Ids of render models that come from now on are at least this.
+int omni_test_number_models(uint64_t first);
 // What every xrCreateInstance returns from now on: an error, or XR_SUCCESS for no such whim.
 int omni_test_refuse_instances(int result);
 // 0: no velocity is ever valid, as with runtimes that do not know them.

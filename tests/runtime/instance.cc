@@ -35,6 +35,7 @@ const Extension kExtensions[] = {
     {XR_EXT_HAND_TRACKING_EXTENSION_NAME, XR_EXT_hand_tracking_SPEC_VERSION},
     {XR_MSFT_CONTROLLER_MODEL_EXTENSION_NAME, XR_MSFT_controller_model_SPEC_VERSION},
     {XR_FB_RENDER_MODEL_EXTENSION_NAME, 4},
+    {XR_EXT_UUID_EXTENSION_NAME, 1},
     {XR_EXT_RENDER_MODEL_EXTENSION_NAME, 1},
     {XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME, 1},
     {XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME, XR_KHR_composition_layer_depth_SPEC_VERSION},
@@ -54,6 +55,11 @@ std::vector<Extension> Extensions() {
     all.push_back({XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME, 1});
     all.push_back({XR_FB_HAPTIC_PCM_EXTENSION_NAME, 1});
   }
+  if (!TheState().world.has_models)
+    std::erase_if(all, [](const Extension& known) {
+      return known.name == XR_EXT_RENDER_MODEL_EXTENSION_NAME || known.name == XR_EXT_UUID_EXTENSION_NAME ||
+             known.name == XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME;
+    });
   if (!TheState().world.has_timespec)
     std::erase_if(all,
                   [](const Extension& known) { return known.name == XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME; });

@@ -1,5 +1,5 @@
 // Models of the controllers, in three vintages: XR_MSFT_controller_model, XR_FB_render_model and
-// XR_EXT_interaction_render_model. What can be drawn is left out: whose model it is, and whether it is there.
+// XR_EXT_interaction_render_model. What can be drawn is a document with one empty node (model_assets.cc).
 
 #include <algorithm>
 #include <cstdio>
@@ -35,7 +35,9 @@ void UpdateModels(const World& world, Session& session) {
     if (listed == world.devices[hand].present) continue;
     changed = true;
     if (listed) session.models.erase(known);
-    if (!listed) session.models.push_back({++session.last_model, hand});
+    if (listed) continue;
+    session.last_model = std::max(session.last_model + 1, world.first_model);
+    session.models.push_back({session.last_model, hand});
   }
   if (changed && session.instance->Enabled(XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME)) {
     Push(*session.instance, XrEventDataInteractionRenderModelsChangedEXT{

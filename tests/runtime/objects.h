@@ -30,6 +30,7 @@ enum class Kind : uint8_t {
   kSpace,
   kHandTracker,
   kRenderModel,
+  kRenderModelAsset,
   kSwapchain
 };
 
@@ -168,6 +169,7 @@ struct Session : Object {
 
   std::vector<SessionModel> models;
   XrRenderModelIdEXT last_model = 0;
+  std::array<bool, kHands> identified{};  // the application has the cacheId of this hand's model
 
   std::shared_ptr<Graphics> graphics;  // null: headless
 
@@ -193,6 +195,13 @@ struct Swapchain : Object {
   std::deque<uint32_t> acquired;  // and not released, the oldest first
   bool waited = false;            // for the oldest
   int released = -1;              // the newest; -1: none was
+};
+
+struct RenderModelAsset : Object {
+  static constexpr Kind kKind = Kind::kRenderModelAsset;
+  RenderModelAsset() : Object(kKind) {}
+  Session* session = nullptr;
+  int hand = 0;
 };
 
 struct Space : Object {

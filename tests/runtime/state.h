@@ -44,6 +44,7 @@ inline XrResult Loss(const Action& action) { return Loss(*action.set); }
 inline XrResult Loss(const Swapchain& swapchain) { return Loss(*swapchain.session); }
 inline XrResult Loss(const Space& space) { return Loss(*space.session); }
 inline XrResult Loss(const HandTracker& tracker) { return Loss(*tracker.session); }
+inline XrResult Loss(const RenderModelAsset& asset) { return Loss(*asset.session); }
 inline XrResult Loss(const RenderModel& model) { return Loss(*model.session); }
 
 // The structure of that type in a chain, or nullptr.

@@ -32,6 +32,8 @@ void World::Reset() {
   stage_origins.assign(1, {0, kIdentity});
   has_stage = has_timespec = tells_velocities = true;
   has_shapes = holds_images = false;
+  has_models = true;
+  first_model = 1;
   creation = XR_SUCCESS;
   for (int hand = 0; hand < kHands; ++hand) {
     devices[hand] = {};

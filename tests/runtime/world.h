@@ -74,6 +74,8 @@ struct World {
   bool has_stage = true;         // false: there is no STAGE
   bool has_shapes = false;       // vibrations with a shape: XR_FB_haptic_amplitude_envelope, XR_FB_haptic_pcm
   bool has_timespec = true;      // false: new instances cannot convert times
+  bool has_models = true;        // false: new instances cannot enable XR_EXT_render_model
+  uint64_t first_model = 1;      // the least id of render models from now on
   bool tells_velocities = true;  // false: no XrSpaceVelocity is ever valid
   bool holds_images = false;     // true: the display keeps reading every swapchain image
   bool focus = true;
