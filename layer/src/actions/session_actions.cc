@@ -12,6 +12,8 @@ SessionActions::SessionActions(const std::vector<Profile>& profiles, const PenCh
     first_pose_.push_back(static_cast<int>(poses_.size()));
     for (const PoseComponent& pose : profile.poses) poses_.push_back(&pose);
   }
+  static const PoseComponent kTool{};
+  poses_.push_back(&kTool);
 }
 
 void SessionActions::Attach(const std::vector<std::shared_ptr<ActionSet>>& sets,
@@ -160,7 +162,7 @@ void SessionActions::UpdateLive(const std::vector<ActiveSet>& active) {
   };
   for (auto& [key, bound] : bound_) {
     std::uint32_t priority = 0;
-    const bool is_active = priority_of(*bound.action, &priority);
+    const bool is_active = bound.active = priority_of(*bound.action, &priority);
     for (LiveBinding& b : bound.bindings) {
       b.live = is_active;
       if (!is_active) continue;
@@ -308,6 +310,13 @@ std::vector<std::string> SessionActions::BoundSources(const Action& action) cons
   for (const LiveBinding& b : bound->bindings)
     if (std::find(out.begin(), out.end(), b.binding.path) == out.end()) out.push_back(b.binding.path);
   return out;
+}
+
+bool SessionActions::FeedsSubaction() const {
+  return owner_ && std::any_of(bound_.begin(), bound_.end(), [this](const auto& entry) {
+           const Bound& bound = entry.second;
+           return bound.active && !bound.bindings.empty() && bound.action->Declares(hand_path());
+         });
 }
 
 bool SessionActions::HapticBound(const Action& action, XrPath subaction) const {

@@ -94,6 +94,11 @@ class SessionActions {
 
   // X_TP of a pose that Serve has named. Needs no lock: the profiles are constant.
   const Pose& PosePart(int pose) const { return poses_[static_cast<std::size_t>(pose)]->X_TP; }
+  // The pose of the tool frame itself, which no profile names.
+  int tool_pose() const { return static_cast<int>(poses_.size()) - 1; }
+
+  // The pen's hand is a subaction path of an action in the sets of the last sync that is bound to the pen.
+  bool FeedsSubaction() const;
 
   // Sources of the pen for this action, and whether it may vibrate for it now.
   std::vector<std::string> BoundSources(const Action& action) const;
@@ -124,6 +129,7 @@ class SessionActions {
   struct Bound {
     std::shared_ptr<Action> action;
     std::vector<LiveBinding> bindings;
+    bool active = false;  // its set was, in the last sync, for the pen's hand
     Place place = Place::kNowhere;
     View any;
     std::array<View, 2> at_hand;

@@ -48,7 +48,13 @@
   X(Vibrations, GetDeviceSampleRateFB)                   \
   X(RenderModels, CreateRenderModelEXT)                  \
   X(RenderModels, DestroyRenderModelEXT)                 \
+  X(RenderModels, GetRenderModelPropertiesEXT)           \
   X(RenderModels, CreateRenderModelSpaceEXT)             \
+  X(RenderModels, CreateRenderModelAssetEXT)             \
+  X(RenderModels, DestroyRenderModelAssetEXT)            \
+  X(RenderModels, GetRenderModelAssetDataEXT)            \
+  X(RenderModels, GetRenderModelAssetPropertiesEXT)      \
+  X(RenderModels, GetRenderModelStateEXT)                \
   X(RenderModels, EnumerateInteractionRenderModelIdsEXT) \
   X(RenderModels, EnumerateRenderModelSubactionPathsEXT) \
   X(RenderModels, GetRenderModelPoseTopLevelUserPathEXT) \

@@ -10,6 +10,8 @@ namespace {
 
 constexpr const char* kForce = XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME;
 constexpr const char* kScene = XR_OMNIX1_HAPTIC_SCENE_EXTENSION_NAME;
+constexpr const char* kModel = XR_EXT_RENDER_MODEL_EXTENSION_NAME;
+constexpr const char* kHeldModel = XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME;
 
 }  // namespace
 
@@ -18,6 +20,8 @@ const std::vector<OwnFunction>& OwnFunctions() {
   { "xr" #name, kForce, Erase(&Entry<PFN_xr##name, &ForceFeedbacks::method>::Call) }
 #define OMNI_SCENE(name, method) \
   { "xr" #name, kScene, Erase(&Entry<PFN_xr##name, &HapticScenes::method>::Call) }
+#define OMNI_MODEL(extension, name) \
+  { "xr" #name, extension, Erase(&Entry<PFN_xr##name, &RenderModels::name>::Call) }
   static const std::vector<OwnFunction> all = [] {
     std::vector<OwnFunction> functions{
         OMNI_FORCE(CreateForceFeedbackOMNIX1, Create),
@@ -40,6 +44,18 @@ const std::vector<OwnFunction>& OwnFunctions() {
         OMNI_SCENE(EnumerateHapticContactsOMNIX1, Contacts),
         OMNI_SCENE(GetHapticNodeMeshOMNIX1, Mesh),
         // For runtimes that have no such function.
+        OMNI_MODEL(kModel, CreateRenderModelEXT),
+        OMNI_MODEL(kModel, DestroyRenderModelEXT),
+        OMNI_MODEL(kModel, GetRenderModelPropertiesEXT),
+        OMNI_MODEL(kModel, CreateRenderModelSpaceEXT),
+        OMNI_MODEL(kModel, CreateRenderModelAssetEXT),
+        OMNI_MODEL(kModel, DestroyRenderModelAssetEXT),
+        OMNI_MODEL(kModel, GetRenderModelAssetDataEXT),
+        OMNI_MODEL(kModel, GetRenderModelAssetPropertiesEXT),
+        OMNI_MODEL(kModel, GetRenderModelStateEXT),
+        OMNI_MODEL(kHeldModel, EnumerateInteractionRenderModelIdsEXT),
+        OMNI_MODEL(kHeldModel, EnumerateRenderModelSubactionPathsEXT),
+        OMNI_MODEL(kHeldModel, GetRenderModelPoseTopLevelUserPathEXT),
         {"xrGetDeviceSampleRateFB", XR_FB_HAPTIC_PCM_EXTENSION_NAME,
          Erase(&Entry<PFN_xrGetDeviceSampleRateFB, &Vibrations::GetDeviceSampleRateFB>::Call)},
     };
@@ -48,6 +64,7 @@ const std::vector<OwnFunction>& OwnFunctions() {
   }();
 #undef OMNI_FORCE
 #undef OMNI_SCENE
+#undef OMNI_MODEL
   return all;
 }
 

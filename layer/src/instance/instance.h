@@ -61,6 +61,7 @@ class Instance {
   HandleMap<XrSpace, Space> spaces;
   HandleMap<XrHandTrackerEXT, Session> hand_trackers;  // to their sessions
   HandleMap<XrRenderModelEXT, RenderModel> render_model_handles;
+  HandleMap<XrRenderModelAssetEXT, RenderModelAsset> render_model_assets;
   HandleMap<XrForceFeedbackOMNIX1, ForceFeedback> forces;
 
   // The functions, a class per subject. Those of sessions, events and the instance itself are below.

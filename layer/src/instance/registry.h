@@ -48,6 +48,7 @@ class Registry {
   static bool Knows(const Instance& i, XrSpace handle) { return i.spaces.Contains(handle); }
   static bool Knows(const Instance& i, XrHandTrackerEXT handle) { return i.hand_trackers.Contains(handle); }
   static bool Knows(const Instance& i, XrRenderModelEXT handle) { return i.render_model_handles.Contains(handle); }
+  static bool Knows(const Instance& i, XrRenderModelAssetEXT handle) { return i.render_model_assets.Contains(handle); }
   static bool Knows(const Instance& i, XrForceFeedbackOMNIX1 handle) { return i.forces.Contains(handle); }
   static bool Knows(const Instance& i, XrHapticSceneOMNIX1 handle) { return i.haptic_scenes.Contains(handle); }
 

@@ -1,4 +1,4 @@
-// The next layer is called first: it validates, and its answer is returned for all but the pen's hand.
+// Where the next layer has a function it is called first: it validates, and its answer is returned for all but the pen.
 #include "layer/src/models/render_models.h"
 
 #include <algorithm>
@@ -8,6 +8,15 @@
 #include "layer/src/instance/instance.h"
 
 namespace omni::layer {
+namespace {
+
+// Its spaces cannot be located any more.
+void Hide(const RenderModel& model) {
+  for (const std::weak_ptr<Space>& weak : model.spaces)
+    if (const auto space = weak.lock()) space->served_by.store(kServedByNobody, std::memory_order_release);
+}
+
+}  // namespace
 
 // The top-level path of the hand that the pen owns; XR_NULL_PATH: none.
 XrPath RenderModels::PensHand(const Session& session) const {
@@ -17,8 +26,10 @@ XrPath RenderModels::PensHand(const Session& session) const {
 
 XrResult RenderModels::IdsBelow(XrSession session, const XrInteractionRenderModelIdsEnumerateInfoEXT* info,
                                 std::vector<XrRenderModelIdEXT>& ids) const {
+  const auto enumerate = instance_.next.EnumerateInteractionRenderModelIdsEXT;
+  if (!enumerate) return XR_SUCCESS;
   return EnumerateBelow(ids, XrRenderModelIdEXT{0}, [&](auto capacity, auto* count, auto* out) {
-    return instance_.next.EnumerateInteractionRenderModelIdsEXT(session, info, capacity, count, out);
+    return enumerate(session, info, capacity, count, out);
   });
 }
 
@@ -37,60 +48,81 @@ XrPath RenderModels::HandOf(XrSession session, XrRenderModelIdEXT id, Known& kno
   return XR_SUCCEEDED(next.GetRenderModelPoseTopLevelUserPathEXT(known.probe, &info, &path)) ? path : XR_NULL_PATH;
 }
 
-XrRenderModelIdEXT RenderModels::NewId() { return ++last_id_; }
+// Never one that the runtime has enumerated in this session.
+XrRenderModelIdEXT RenderModels::NewId(Models& models) {
+  do ++last_id_;
+  while (models.seen_below.count(last_id_) != 0);
+  models.made.insert(last_id_);
+  return last_id_;
+}
 
 // "If a render model ID is made inactive, it will never again become active": neither what was made from it.
-void RenderModels::Retire(XrSession session, XrRenderModelIdEXT id) {
+void RenderModels::Retire(XrSession session, XrRenderModelIdEXT id_below) {
   instance_.render_model_handles.ForEach([&](RenderModel& model) {
-    if (model.session->handle != session || model.id_below != id) return;
+    if (model.session->handle != session || model.id_below != id_below) return;
     model.retired = true;
-    for (const std::weak_ptr<Space>& weak : model.spaces)
-      if (const auto space = weak.lock()) space->served_by.store(kServedByNobody, std::memory_order_release);
+    Hide(model);
   });
 }
 
-void RenderModels::Follow(const std::shared_ptr<Session>& session) {
-  if (!instance_.next.EnumerateInteractionRenderModelIdsEXT ||
-      !instance_.Enabled(XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME))
-    return;
-  const XrPath pens_hand = PensHand(*session);
-  const std::lock_guard lock(mutex_);
-  if (pens_hand == XR_NULL_PATH && ids_.count(session->handle) == 0) return;  // the pen was never here
-  std::vector<XrRenderModelIdEXT> below;
-  if (XR_FAILED(IdsBelow(session->handle, nullptr, below))) return;
-  Ids& ids = ids_[session->handle];
-  for (auto it = ids.begin(); it != ids.end();) {
+void RenderModels::FollowBelow(XrSession session, const std::vector<XrRenderModelIdEXT>& below, XrPath pens_hand,
+                               Models& models) {
+  for (auto it = models.below.begin(); it != models.below.end();) {
     const bool gone = std::find(below.begin(), below.end(), it->first) == below.end();
     if (gone && it->second.probe != XR_NULL_HANDLE) instance_.next.DestroyRenderModelEXT(it->second.probe);
-    it = gone ? ids.erase(it) : std::next(it);
+    it = gone ? models.below.erase(it) : std::next(it);
   }
+  models.seen_below.insert(below.begin(), below.end());
   for (const XrRenderModelIdEXT id : below) {
-    Known& known = ids.try_emplace(id, Known{id, XR_NULL_HANDLE, false}).first->second;
-    const bool hide = pens_hand != XR_NULL_PATH && HandOf(session->handle, id, known) == pens_hand;
+    const auto [found, is_new] = models.below.try_emplace(id, Known{id, XR_NULL_HANDLE, false});
+    Known& known = found->second;
+    if (is_new && models.made.count(id) != 0) known.shown = NewId(models);
+    const bool hide = pens_hand != XR_NULL_PATH && HandOf(session, id, known) == pens_hand;
     if (hide == known.hidden) continue;
     known.hidden = hide;
     change_due_ = true;
-    if (hide) Retire(session->handle, id);
-    if (!hide) known.shown = NewId();
+    if (hide) Retire(session, id);
+    if (!hide) known.shown = NewId(models);
   }
+}
+
+void RenderModels::FollowPen(XrSession session, bool owns_hand, Models& models) {
+  if (owns_hand == (models.pen != XR_NULL_RENDER_MODEL_ID_EXT)) return;
+  change_due_ = true;
+  if (!owns_hand) Retire(session, XR_NULL_RENDER_MODEL_ID_EXT);
+  models.pen = owns_hand ? NewId(models) : XR_NULL_RENDER_MODEL_ID_EXT;
+}
+
+void RenderModels::Follow(const std::shared_ptr<Session>& session) {
+  if (!instance_.Enabled(XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME)) return;
+  const XrPath pens_hand = PensHand(*session);
+  const std::lock_guard lock(mutex_);
+  Models& models = sessions_[session->handle];
+  if (pens_hand == XR_NULL_PATH && !models.followed) return;
+  std::vector<XrRenderModelIdEXT> below;
+  if (XR_FAILED(IdsBelow(session->handle, nullptr, below))) return;
+  models.followed = true;
+  FollowBelow(session->handle, below, pens_hand, models);
+  FollowPen(session->handle, pens_hand != XR_NULL_PATH, models);
 }
 
 void RenderModels::EndOf(XrSession session) {
   const std::lock_guard lock(mutex_);
   instance_.render_model_handles.EraseIf(
       [session](const RenderModel& model) { return model.session->handle == session; });
-  ids_.erase(session);
+  instance_.render_model_assets.EraseIf(
+      [session](const RenderModelAsset& asset) { return asset.session->handle == session; });
+  sessions_.erase(session);
 }
 
 // The runtime's id behind the application's. Empty: it is no longer enumerated.
 std::optional<XrRenderModelIdEXT> RenderModels::Translate(XrSession session, XrRenderModelIdEXT id) const {
-  const auto ids = ids_.find(session);
-  if (ids == ids_.end()) return id;
-  for (const auto& [below, known] : ids->second)
+  const auto models = sessions_.find(session);
+  if (models == sessions_.end()) return id;
+  for (const auto& [below, known] : models->second.below)
     if (known.shown == id) return known.hidden ? std::nullopt : std::optional(below);
-  const bool replaced = ids->second.count(id) != 0;
-  const bool of_ours = id > XrRenderModelIdEXT{0x4F4D'4E49'0000'0000} && id <= last_id_;
-  return replaced || of_ours ? std::nullopt : std::optional(id);
+  const bool replaced = models->second.below.count(id) != 0;
+  return replaced || models->second.made.count(id) != 0 ? std::nullopt : std::optional(id);
 }
 
 XrResult RenderModels::EnumerateInteractionRenderModelIdsEXT(XrSession session,
@@ -98,18 +130,31 @@ XrResult RenderModels::EnumerateInteractionRenderModelIdsEXT(XrSession session,
                                                              uint32_t capacity, uint32_t* count,
                                                              XrRenderModelIdEXT* ids) {
   instance_.link.Beat();
+  const auto record = instance_.sessions.Find(session);
+  const auto below = instance_.next.EnumerateInteractionRenderModelIdsEXT;
+  if (!below && !record) return XR_ERROR_HANDLE_INVALID;
+  if (!below && info && info->type != XR_TYPE_INTERACTION_RENDER_MODEL_IDS_ENUMERATE_INFO_EXT)
+    return XR_ERROR_VALIDATION_FAILURE;
+  if (!below && !record->running) return XR_ERROR_SESSION_NOT_RUNNING;
   const std::lock_guard lock(mutex_);
-  const auto known = ids_.find(session);
-  if (known == ids_.end())
-    return instance_.next.EnumerateInteractionRenderModelIdsEXT(session, info, capacity, count, ids);
+  const auto found = sessions_.find(session);
+  if (below && (found == sessions_.end() || !found->second.followed)) {
+    const XrResult result = below(session, info, capacity, count, ids);
+    if (XR_SUCCEEDED(result) && record && capacity > 0)
+      sessions_[session].seen_below.insert(ids, ids + std::min(*count, capacity));
+    return result;
+  }
+  std::vector<XrRenderModelIdEXT> shown;
+  if (found == sessions_.end()) return Fill(shown.data(), shown.size(), capacity, count, ids);
   std::vector<XrRenderModelIdEXT> all;
   if (const XrResult result = IdsBelow(session, info, all); XR_FAILED(result)) return result;
-  std::vector<XrRenderModelIdEXT> shown;
+  const Models& models = found->second;
   for (const XrRenderModelIdEXT id : all) {
-    const auto found = known->second.find(id);
-    const bool hidden = found != known->second.end() && found->second.hidden;
-    if (!hidden) shown.push_back(found == known->second.end() ? id : found->second.shown);
+    const auto known = models.below.find(id);
+    const bool hidden = known != models.below.end() && known->second.hidden;
+    if (!hidden) shown.push_back(known == models.below.end() ? id : known->second.shown);
   }
+  if (models.pen != XR_NULL_RENDER_MODEL_ID_EXT) shown.push_back(models.pen);
   return Fill(shown.data(), shown.size(), capacity, count, ids);
 }
 
@@ -117,39 +162,67 @@ XrResult RenderModels::CreateRenderModelEXT(XrSession session, const XrRenderMod
                                             XrRenderModelEXT* model) {
   instance_.link.Beat();
   const auto record = instance_.sessions.Find(session);
-  if (!record || !info || info->type != XR_TYPE_RENDER_MODEL_CREATE_INFO_EXT)
-    return instance_.next.CreateRenderModelEXT(session, info, model);
+  const auto below = instance_.next.CreateRenderModelEXT;
+  const bool readable = info && info->type == XR_TYPE_RENDER_MODEL_CREATE_INFO_EXT && model &&
+                        (info->gltfExtensionCount == 0 || info->gltfExtensions);
+  if (below && (!record || !readable)) return below(session, info, model);
+  if (!record) return XR_ERROR_HANDLE_INVALID;
+  if (!readable) return XR_ERROR_VALIDATION_FAILURE;
   const std::lock_guard lock(mutex_);
-  const std::optional<XrRenderModelIdEXT> below = Translate(session, info->renderModelId);
-  if (!below) return XR_ERROR_RENDER_MODEL_ID_INVALID_EXT;
+  const XrRenderModelIdEXT pen = sessions_[session].pen;
+  if (pen != XR_NULL_RENDER_MODEL_ID_EXT && info->renderModelId == pen) {
+    *model = CreatePen(record);
+    return XR_SUCCESS;
+  }
+  const std::optional<XrRenderModelIdEXT> id = Translate(session, info->renderModelId);
+  if (!below || !id) return XR_ERROR_RENDER_MODEL_ID_INVALID_EXT;
   XrRenderModelCreateInfoEXT changed = *info;
-  changed.renderModelId = *below;
-  const XrResult result = instance_.next.CreateRenderModelEXT(session, &changed, model);
+  changed.renderModelId = *id;
+  const XrResult result = below(session, &changed, model);
   if (XR_FAILED(result)) return result;
   auto made = std::make_shared<RenderModel>();
   made->session = record;
-  made->id_below = *below;
+  made->id_below = *id;
   instance_.render_model_handles.Insert(*model, std::move(made));
   return result;
 }
 
 XrResult RenderModels::DestroyRenderModelEXT(XrRenderModelEXT model) {
-  const XrResult result = instance_.next.DestroyRenderModelEXT(model);
   instance_.link.Beat();
+  if (const auto pen = FindPen(model)) {
+    const std::lock_guard lock(mutex_);
+    Hide(*pen);
+    instance_.render_model_handles.Erase(model);
+    return XR_SUCCESS;
+  }
+  if (!instance_.next.DestroyRenderModelEXT) return XR_ERROR_HANDLE_INVALID;
+  const XrResult result = instance_.next.DestroyRenderModelEXT(model);
   if (XR_SUCCEEDED(result)) instance_.render_model_handles.Erase(model);
   return result;
 }
 
 XrResult RenderModels::CreateRenderModelSpaceEXT(XrSession session, const XrRenderModelSpaceCreateInfoEXT* info,
                                                  XrSpace* space) {
-  const XrResult result = instance_.next.CreateRenderModelSpaceEXT(session, info, space);
   instance_.link.Beat();
+  const bool readable = info && info->type == XR_TYPE_RENDER_MODEL_SPACE_CREATE_INFO_EXT && space;
+  const auto below = instance_.next.CreateRenderModelSpaceEXT;
+  const auto pen = readable ? FindPen(info->renderModel) : nullptr;
+  XrResult result = XR_SUCCESS;
+  if (pen) {
+    result = pen->session->handle == session ? CreatePenSpace(*pen, space) : XR_ERROR_VALIDATION_FAILURE;
+  } else if (below) {
+    result = below(session, info, space);
+  } else {
+    result = !readable && instance_.sessions.Contains(session) ? XR_ERROR_VALIDATION_FAILURE : XR_ERROR_HANDLE_INVALID;
+  }
   const auto model = XR_SUCCEEDED(result) ? instance_.render_model_handles.Find(info->renderModel) : nullptr;
   if (!model) return result;
   auto made = std::make_shared<Space>();
   made->handle = *space;
   made->session = model->session;
+  made->focused_only = model->pens();
   const std::lock_guard lock(mutex_);
+  if (pen) made->served_by = model->session->actions.tool_pose();
   if (model->retired) made->served_by = kServedByNobody;
   model->spaces.push_back(made);
   instance_.spaces.Insert(*space, std::move(made));
@@ -161,20 +234,37 @@ XrResult RenderModels::EnumerateRenderModelSubactionPathsEXT(XrRenderModelEXT mo
                                                              uint32_t capacity, uint32_t* count, XrPath* paths) {
   instance_.link.Beat();
   const auto record = instance_.render_model_handles.Find(model);
+  const auto below = instance_.next.EnumerateRenderModelSubactionPathsEXT;
+  if (!below && (!record || !record->pens())) return XR_ERROR_HANDLE_INVALID;
   const std::lock_guard lock(mutex_);
   if (record && record->retired) return Fill<XrPath>(nullptr, 0, capacity, count, paths);
-  return instance_.next.EnumerateRenderModelSubactionPathsEXT(model, info, capacity, count, paths);
+  if (!record || !record->pens()) return below(model, info, capacity, count, paths);
+  if (info && info->type != XR_TYPE_INTERACTION_RENDER_MODEL_SUBACTION_PATH_INFO_EXT)
+    return XR_ERROR_VALIDATION_FAILURE;
+  const std::shared_lock session_lock(record->session->mutex);
+  const XrPath hand = record->session->actions.hand_path();
+  return Fill(&hand, record->session->actions.FeedsSubaction() ? 1 : 0, capacity, count, paths);
 }
 
 XrResult RenderModels::GetRenderModelPoseTopLevelUserPathEXT(
     XrRenderModelEXT model, const XrInteractionRenderModelTopLevelUserPathGetInfoEXT* info, XrPath* path) {
-  const XrResult result = instance_.next.GetRenderModelPoseTopLevelUserPathEXT(model, info, path);
   instance_.link.Beat();
-  const auto record = XR_SUCCEEDED(result) ? instance_.render_model_handles.Find(model) : nullptr;
-  if (!record) return result;
+  const auto record = instance_.render_model_handles.Find(model);
+  const auto below = instance_.next.GetRenderModelPoseTopLevelUserPathEXT;
+  if (record && record->pens()) {
+    if (const XrResult result = CheckUserPaths(info, path); XR_FAILED(result)) return result;
+    *path = XR_NULL_PATH;
+    const XrPath hand = PensHand(*record->session);
+    const XrPath* const end = info->topLevelUserPaths + info->topLevelUserPathCount;
+    if (hand != XR_NULL_PATH && std::find(info->topLevelUserPaths, end, hand) != end) *path = hand;
+  } else if (!below) {
+    return XR_ERROR_HANDLE_INVALID;
+  } else if (const XrResult result = below(model, info, path); XR_FAILED(result) || !record) {
+    return result;
+  }
   const std::lock_guard lock(mutex_);
   if (record->retired) *path = XR_NULL_PATH;
-  return result;
+  return XR_SUCCESS;
 }
 
 // "May be different from the current interaction profile", but is what the user holds.

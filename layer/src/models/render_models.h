@@ -1,5 +1,6 @@
-// Models of the devices in the user's hands, which an application draws: the runtime's controller in the pen's hand has
-// none while the pen owns that hand, since it lies on the desk. The pen itself has none yet.
+// Models of the devices in the user's hands, which an application draws: while the pen owns a hand, its own model
+// (pen_model.h) is there instead of the runtime's controller of that hand, which lies on the desk. Works on runtimes
+// without render models too: then every function below is answered here.
 #pragma once
 
 #include <atomic>
@@ -7,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "layer/src/entry/omni_openxr_compat.h"
@@ -20,9 +22,15 @@ class Instance;
 // again [xrEnumerateInteractionRenderModelIdsEXT].
 struct RenderModel {
   std::shared_ptr<Session> session;
-  XrRenderModelIdEXT id_below = 0;
+  XrRenderModelIdEXT id_below = 0;  // 0: the pen's; the handle is then this record's address, and unknown below
+  bool pens() const { return id_below == XR_NULL_RENDER_MODEL_ID_EXT; }
   std::vector<std::weak_ptr<Space>> spaces;
   bool retired = false;
+};
+
+// The pen's model as a file. The runtime's have no record.
+struct RenderModelAsset {
+  std::shared_ptr<Session> session;
 };
 
 class RenderModels {
@@ -32,6 +40,18 @@ class RenderModels {
   // XR_EXT_render_model, XR_EXT_interaction_render_model
   XrResult CreateRenderModelEXT(XrSession session, const XrRenderModelCreateInfoEXT* info, XrRenderModelEXT* model);
   XrResult DestroyRenderModelEXT(XrRenderModelEXT model);
+  XrResult GetRenderModelPropertiesEXT(XrRenderModelEXT model, const XrRenderModelPropertiesGetInfoEXT* info,
+                                       XrRenderModelPropertiesEXT* properties);
+  XrResult GetRenderModelStateEXT(XrRenderModelEXT model, const XrRenderModelStateGetInfoEXT* info,
+                                  XrRenderModelStateEXT* state);
+  XrResult CreateRenderModelAssetEXT(XrSession session, const XrRenderModelAssetCreateInfoEXT* info,
+                                     XrRenderModelAssetEXT* asset);
+  XrResult DestroyRenderModelAssetEXT(XrRenderModelAssetEXT asset);
+  XrResult GetRenderModelAssetDataEXT(XrRenderModelAssetEXT asset, const XrRenderModelAssetDataGetInfoEXT* info,
+                                      XrRenderModelAssetDataEXT* data);
+  XrResult GetRenderModelAssetPropertiesEXT(XrRenderModelAssetEXT asset,
+                                            const XrRenderModelAssetPropertiesGetInfoEXT* info,
+                                            XrRenderModelAssetPropertiesEXT* properties);
   XrResult CreateRenderModelSpaceEXT(XrSession session, const XrRenderModelSpaceCreateInfoEXT* info, XrSpace* space);
   XrResult EnumerateInteractionRenderModelIdsEXT(XrSession session,
                                                  const XrInteractionRenderModelIdsEnumerateInfoEXT* info,
@@ -62,20 +82,33 @@ class RenderModels {
     XrRenderModelEXT probe = XR_NULL_HANDLE;  // ours, to ask for its hand
     bool hidden = false;
   };
-  using Ids = std::map<XrRenderModelIdEXT, Known>;  // by the runtime's id
+  struct Models {                               // of one session
+    std::map<XrRenderModelIdEXT, Known> below;  // by the runtime's id; of the last sync
+    bool followed = false;                      // the pen was there once: until then the runtime alone answers
+    XrRenderModelIdEXT pen = 0;                 // 0: not enumerated
+    bool pen_identified = false;                // the application has the pen's cacheId from this session
+    std::set<XrRenderModelIdEXT> made;          // by us: the pen's, and those that stand for one of the runtime's
+    std::set<XrRenderModelIdEXT> seen_below;    // the runtime's, all so far
+  };
 
   XrPath PensHand(const Session& session) const;
   bool IsPensModelFB(XrSession session, XrPath path) const;
   XrResult IdsBelow(XrSession session, const XrInteractionRenderModelIdsEnumerateInfoEXT* info,
                     std::vector<XrRenderModelIdEXT>& ids) const;
   XrPath HandOf(XrSession session, XrRenderModelIdEXT id, Known& known) const;
-  XrRenderModelIdEXT NewId();
-  void Retire(XrSession session, XrRenderModelIdEXT id);
+  XrRenderModelIdEXT NewId(Models& models);
+  void FollowBelow(XrSession session, const std::vector<XrRenderModelIdEXT>& below, XrPath pens_hand, Models& models);
+  void FollowPen(XrSession session, bool owns_hand, Models& models);
+  void Retire(XrSession session, XrRenderModelIdEXT id_below);
   std::optional<XrRenderModelIdEXT> Translate(XrSession session, XrRenderModelIdEXT id) const;
+  XrRenderModelEXT CreatePen(const std::shared_ptr<Session>& session);
+  XrResult CreatePenSpace(const RenderModel& model, XrSpace* space) const;
+  std::shared_ptr<RenderModel> FindPen(XrRenderModelEXT model) const;
+  XrResult CheckUserPaths(const XrInteractionRenderModelTopLevelUserPathGetInfoEXT* info, const XrPath* path) const;
 
   Instance& instance_;
   mutable std::mutex mutex_;  // guards what follows, and RenderModel's members
-  std::map<XrSession, Ids> ids_;
+  std::map<XrSession, Models> sessions_;
   XrRenderModelIdEXT last_id_ = 0x4F4D'4E49'0000'0000;  // far from any counter or address of a runtime's
   std::atomic<bool> change_due_{false};
 };

@@ -22,6 +22,7 @@ Side SideOf(const Instance& instance, XrSpace handle) {
   side.space = instance.spaces.Find(handle);
   if (!side.space) return side;
   side.served_by = side.space->served_by.load(std::memory_order_acquire);
+  if (side.pen() && side.space->focused_only && !side.space->session->focused) side.served_by = kServedByNobody;
   if (side.pen()) side.X_TS = Compose(side.space->session->actions.PosePart(side.served_by), side.space->X_PS);
   return side;
 }

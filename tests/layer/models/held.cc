@@ -1,104 +1,14 @@
-// What an application draws for a controller: the runtime's model, but none for the hand that the pen holds.
+// What an application draws in a hand: the runtime's controller, or the pen while it owns the hand.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <string>
 #include <vector>
 
-#include "tests/layer/support/app.h"
+#include "tests/layer/models/model_app.h"
 
 namespace omni::test {
 namespace test_models {
-
-constexpr const char* kModelExtensions[] = {XR_EXT_RENDER_MODEL_EXTENSION_NAME,
-                                            XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME,
-                                            XR_MSFT_CONTROLLER_MODEL_EXTENSION_NAME, XR_FB_RENDER_MODEL_EXTENSION_NAME};
-
-struct ModelApp {
-  static AppOptions Options() {
-    AppOptions options;
-    options.extensions.assign(std::begin(kModelExtensions), std::end(kModelExtensions));
-    options.profiles = {kTouch, kSimple};
-    return options;
-  }
-#define OMNI_FUNCTION(member, name) PFN_xr##name member = FunctionOf<PFN_xr##name>(app.instance, "xr" #name)
-  App app{Options()};
-  OMNI_FUNCTION(enumerate, EnumerateInteractionRenderModelIdsEXT);
-  OMNI_FUNCTION(create, CreateRenderModelEXT);
-  OMNI_FUNCTION(destroy, DestroyRenderModelEXT);
-  OMNI_FUNCTION(create_space, CreateRenderModelSpaceEXT);
-  OMNI_FUNCTION(subactions, EnumerateRenderModelSubactionPathsEXT);
-  OMNI_FUNCTION(user_path, GetRenderModelPoseTopLevelUserPathEXT);
-  OMNI_FUNCTION(key, GetControllerModelKeyMSFT);
-  OMNI_FUNCTION(paths_fb, EnumerateRenderModelPathsFB);
-  OMNI_FUNCTION(properties_fb, GetRenderModelPropertiesFB);
-#undef OMNI_FUNCTION
-  XrSpace local = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_LOCAL);
-
-  std::vector<XrRenderModelIdEXT> Ids() const {
-    std::uint32_t count = 0;
-    EXPECT_EQ(enumerate(app.session, nullptr, 0, &count, nullptr), XR_SUCCESS);
-    std::vector<XrRenderModelIdEXT> ids(count);
-    if (count > 0) {
-      EXPECT_EQ(enumerate(app.session, nullptr, count, &count, ids.data()), XR_SUCCESS);
-    }
-    return ids;
-  }
-  XrRenderModelEXT Make(XrRenderModelIdEXT id, XrResult wanted = XR_SUCCESS) const {
-    const XrRenderModelCreateInfoEXT info{XR_TYPE_RENDER_MODEL_CREATE_INFO_EXT, nullptr, id, 0, nullptr};
-    XrRenderModelEXT model = XR_NULL_HANDLE;
-    EXPECT_EQ(create(app.session, &info, &model), wanted) << id;
-    return model;
-  }
-  std::string UserPathOf(XrRenderModelEXT model) const {
-    const XrPath both[] = {app.left, app.right};
-    const XrInteractionRenderModelTopLevelUserPathGetInfoEXT info{
-        XR_TYPE_INTERACTION_RENDER_MODEL_TOP_LEVEL_USER_PATH_GET_INFO_EXT, nullptr, 2, both};
-    XrPath path = XR_NULL_PATH;
-    EXPECT_EQ(user_path(model, &info, &path), XR_SUCCESS);
-    return app.Text(path);
-  }
-  // The model of that hand, or none.
-  XrRenderModelEXT ModelAt(const std::string& hand) const {
-    for (const XrRenderModelIdEXT id : Ids())
-      if (const XrRenderModelEXT model = Make(id); UserPathOf(model) == hand) return model;
-    return XR_NULL_HANDLE;
-  }
-  XrSpace SpaceOf(XrRenderModelEXT model) const {
-    const XrRenderModelSpaceCreateInfoEXT info{XR_TYPE_RENDER_MODEL_SPACE_CREATE_INFO_EXT, nullptr, model};
-    XrSpace space = XR_NULL_HANDLE;
-    EXPECT_EQ(create_space(app.session, &info, &space), XR_SUCCESS);
-    return space;
-  }
-  bool Shown(XrSpace space) const {
-    XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
-    EXPECT_EQ(xrLocateSpace(space, local, Now_ns() + kRuntimeOffset_ns, &location), XR_SUCCESS);
-    return location.locationFlags != 0;
-  }
-  XrControllerModelKeyMSFT Key(XrPath hand) const {
-    XrControllerModelKeyStateMSFT state{XR_TYPE_CONTROLLER_MODEL_KEY_STATE_MSFT};
-    EXPECT_EQ(key(app.session, hand, &state), XR_SUCCESS);
-    return state.modelKey;
-  }
-  std::vector<std::string> PathsFB() const {
-    std::uint32_t count = 0;
-    EXPECT_EQ(paths_fb(app.session, 0, &count, nullptr), XR_SUCCESS);
-    std::vector<XrRenderModelPathInfoFB> infos(count, {XR_TYPE_RENDER_MODEL_PATH_INFO_FB, nullptr, XR_NULL_PATH});
-    EXPECT_EQ(paths_fb(app.session, count, &count, infos.data()), XR_SUCCESS);
-    std::vector<std::string> out;
-    for (const XrRenderModelPathInfoFB& info : infos) out.push_back(app.Text(info.path));
-    return out;
-  }
-  int TakeChangeEvents() {
-    app.events.clear();
-    app.Poll();
-    return app.CountEvents(XR_TYPE_EVENT_DATA_INTERACTION_RENDER_MODELS_CHANGED_EXT);
-  }
-  // Syncs until `hand` shows a profile of the pen (touch) or of the runtime's simple controller.
-  bool Until(FakeService& service, XrPath hand, const char* profile) {
-    return app.SyncUntil(service, [&] { return app.Profile(hand) == profile; });
-  }
-};
 
 class Models : public testing::Test {
  protected:
@@ -136,9 +46,14 @@ TEST_F(Models, InteractionModelsAreOfWhoHoldsTheHand) {
       ASSERT_TRUE(m.Until(service, hand, kTouch));
       EXPECT_EQ(m.TakeChangeEvents(), 1) << "of one sync";
       const std::vector<XrRenderModelIdEXT> during = m.Ids();
-      EXPECT_EQ(during.size(), 1u);
-      EXPECT_EQ(m.ModelAt(user), XR_NULL_HANDLE);
-      EXPECT_NE(m.ModelAt(other), XR_NULL_HANDLE);
+      EXPECT_EQ(during.size(), 2u);
+      const XrRenderModelEXT pen = m.ModelAt(user);
+      ASSERT_NE(pen, XR_NULL_HANDLE);
+      EXPECT_TRUE(m.IsPen(pen));
+      const XrSpace pens = m.SpaceOf(pen);
+      EXPECT_TRUE(m.Shown(pens));
+      ASSERT_NE(m.ModelAt(other), XR_NULL_HANDLE);
+      EXPECT_FALSE(m.IsPen(m.ModelAt(other)));
       // What was made of the controller's id is never shown again, and cannot be made again.
       EXPECT_FALSE(m.Shown(space));
       EXPECT_FALSE(m.Shown(m.SpaceOf(model)));
@@ -149,6 +64,11 @@ TEST_F(Models, InteractionModelsAreOfWhoHoldsTheHand) {
       for (const XrRenderModelIdEXT id : enumerated) {
         const bool listed = std::find(during.begin(), during.end(), id) != during.end();
         if (!listed) m.Make(id, XR_ERROR_RENDER_MODEL_ID_INVALID_EXT);
+      }
+      for (const XrRenderModelIdEXT id : during) {
+        const bool was = std::find(enumerated.begin(), enumerated.end(), id) != enumerated.end();
+        EXPECT_EQ(was, m.UserPathOf(m.Make(id)) == other) << "a pen that returns has a new id";
+        if (!was) enumerated.push_back(id);
       }
       EXPECT_TRUE(m.Shown(others));
       ASSERT_EQ(m.app.Sync(), XR_SUCCESS);
@@ -166,6 +86,9 @@ TEST_F(Models, InteractionModelsAreOfWhoHoldsTheHand) {
         EXPECT_EQ(was, m.UserPathOf(m.Make(id)) == other) << "a device that returns has a new id";
         if (!was) enumerated.push_back(id);
       }
+      EXPECT_FALSE(m.IsPen(again));
+      EXPECT_FALSE(m.Shown(pens));
+      EXPECT_EQ(m.UserPathOf(pen), "");
       EXPECT_FALSE(m.Shown(space));
       space = m.SpaceOf(again);
       EXPECT_TRUE(m.Shown(space));
@@ -176,22 +99,24 @@ TEST_F(Models, InteractionModelsAreOfWhoHoldsTheHand) {
   }
 }
 
-TEST_F(Models, HandSwitchMovesTheHiddenModel) {
+TEST_F(Models, HandSwitchMovesThePensModel) {
   FakeService service;
   ModelApp m;
   ASSERT_TRUE(m.Until(service, m.app.right, kTouch));
-  EXPECT_NE(m.ModelAt("/user/hand/left"), XR_NULL_HANDLE);
+  EXPECT_FALSE(m.IsPen(m.ModelAt("/user/hand/left")));
+  EXPECT_TRUE(m.IsPen(m.ModelAt("/user/hand/right")));
   protocol::AppSettings settings;
   settings.hand = protocol::HandSetting::kLeft;
   service.Wish(settings);
   ASSERT_TRUE(m.Until(service, m.app.left, kTouch));
-  EXPECT_EQ(m.ModelAt("/user/hand/left"), XR_NULL_HANDLE);
-  EXPECT_NE(m.ModelAt("/user/hand/right"), XR_NULL_HANDLE);
+  EXPECT_TRUE(m.IsPen(m.ModelAt("/user/hand/left")));
+  EXPECT_FALSE(m.IsPen(m.ModelAt("/user/hand/right")));
   omni_test_set_device("left", 0, nullptr);
   omni_test_set_device("right", 0, nullptr);
   service.Fill();
   ASSERT_EQ(m.app.Sync(), XR_SUCCESS);
-  EXPECT_TRUE(m.Ids().empty());
+  ASSERT_EQ(m.Ids().size(), 1u);
+  EXPECT_TRUE(m.IsPen(m.Make(m.Ids()[0])));
 }
 
 // A second session starts as the first one did.
@@ -199,7 +124,7 @@ TEST_F(Models, SecondSessionEnumeratesItsOwnModels) {
   FakeService service;
   ModelApp m;
   ASSERT_TRUE(m.Until(service, m.app.right, kTouch));
-  EXPECT_EQ(m.Ids().size(), 1u);
+  EXPECT_EQ(m.Ids().size(), 2u);
   ASSERT_EQ(xrDestroySession(m.app.session), XR_SUCCESS);
   service.SetFlags(0);
   service.Fill();
