@@ -108,7 +108,9 @@ TEST_F(Models, HandSwitchMovesThePensModel) {
   protocol::AppSettings settings;
   settings.hand = protocol::HandSetting::kLeft;
   service.Wish(settings);
+  m.TakeChangeEvents();
   ASSERT_TRUE(m.Until(service, m.app.left, kTouch));
+  EXPECT_EQ(m.TakeChangeEvents(), 1) << "the controllers of both hands";
   EXPECT_TRUE(m.IsPen(m.ModelAt("/user/hand/left")));
   EXPECT_FALSE(m.IsPen(m.ModelAt("/user/hand/right")));
   omni_test_set_device("left", 0, nullptr);
