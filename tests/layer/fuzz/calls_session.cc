@@ -44,6 +44,8 @@ void Sequence::DropSession() {
   if (!session) return;
   Bury(spaces_, *session);
   Bury(hands_, *session);
+  Bury(models_, *session);
+  Bury(assets_, *session);
   Bury(forces_, *session);
   Bury(scenes_, *session);
   waited_.erase(*session);

@@ -1,4 +1,4 @@
-// The functions of our extensions, looked up in a chain: nullptr where the extension is not enabled.
+// The functions of our extensions, and of those about render models: nullptr where the extension is not enabled.
 #pragma once
 
 #include "layer/include/openxr/omni_force_feedback.h"
@@ -24,10 +24,23 @@ namespace omni::test {
   X(UpdateHapticNodesOMNIX1)         \
   X(GetHapticMaterialOMNIX1) X(SetHapticMaterialOMNIX1) X(EnumerateHapticContactsOMNIX1) X(GetHapticNodeMeshOMNIX1)
 
+#define OMNI_MODEL_CALLS(X)                \
+  X(EnumerateInteractionRenderModelIdsEXT) \
+  X(CreateRenderModelEXT)                  \
+  X(DestroyRenderModelEXT)                 \
+  X(GetRenderModelPropertiesEXT)           \
+  X(GetRenderModelStateEXT)                \
+  X(CreateRenderModelSpaceEXT)             \
+  X(EnumerateRenderModelSubactionPathsEXT) \
+  X(GetRenderModelPoseTopLevelUserPathEXT) \
+  X(CreateRenderModelAssetEXT)             \
+  X(DestroyRenderModelAssetEXT) X(GetRenderModelAssetDataEXT) X(GetRenderModelAssetPropertiesEXT)
+
 struct OwnCalls {
 #define OMNI_POINTER(name) PFN_xr##name name = nullptr;
   OMNI_FORCE_CALLS(OMNI_POINTER)
   OMNI_SCENE_CALLS(OMNI_POINTER)
+  OMNI_MODEL_CALLS(OMNI_POINTER)
   OMNI_POINTER(GetDeviceSampleRateFB)
 #undef OMNI_POINTER
 };

@@ -52,6 +52,7 @@ OwnCalls LoadOwn(const MiniLoader& loader, XrInstance instance) {
 #define OMNI_LOAD(name) calls.name = reinterpret_cast<PFN_xr##name>(loader.Get(instance, "xr" #name));
   OMNI_FORCE_CALLS(OMNI_LOAD)
   OMNI_SCENE_CALLS(OMNI_LOAD)
+  OMNI_MODEL_CALLS(OMNI_LOAD)
   OMNI_LOAD(GetDeviceSampleRateFB)
 #undef OMNI_LOAD
   return calls;
@@ -63,6 +64,9 @@ Sequence::Sequence(const MiniLoader& loader, const SequenceOptions& options)
   if (random_.Percent(50)) chain.api_version = XR_MAKE_VERSION(1, 1, 0);
   chain.extensions.push_back(XR_KHR_LOCATE_SPACES_EXTENSION_NAME);
   chain.extensions.push_back(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
+  for (const char* name :
+       {XR_EXT_UUID_EXTENSION_NAME, XR_EXT_RENDER_MODEL_EXTENSION_NAME, XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME})
+    chain.extensions.push_back(name);
   bool force = false;  // without it there is no instance with the scene's
   for (const char* own : kOwnExtensions) {
     if (!options_.ours || !random_.Percent(85)) continue;
@@ -185,6 +189,17 @@ void Sequence::Step() {
       {2, [](Sequence& s) { s.SceneMaterial(); }},
       {3, [](Sequence& s) { s.Contacts(); }},
       {1, [](Sequence& s) { s.SceneMesh(); }},
+      {3, [](Sequence& s) { s.ModelIds(); }},
+      {3, [](Sequence& s) { s.MakeModel(); }},
+      {1, [](Sequence& s) { s.DropModel(); }},
+      {2, [](Sequence& s) { s.ModelProperties(); }},
+      {2, [](Sequence& s) { s.ModelState(); }},
+      {2, [](Sequence& s) { s.ModelSpace(); }},
+      {2, [](Sequence& s) { s.ModelPaths(); }},
+      {2, [](Sequence& s) { s.MakeAsset(); }},
+      {1, [](Sequence& s) { s.DropAsset(); }},
+      {1, [](Sequence& s) { s.AssetData(); }},
+      {1, [](Sequence& s) { s.AssetNodes(); }},
   };
   int total = 0;
   for (const Weighted& w : kCalls) total += w.weight;

@@ -162,6 +162,19 @@ class Sequence {
   void SceneMesh();
   XrHapticNodeIdOMNIX1 AnyNode();
 
+  // calls_models.cc
+  void ModelIds();
+  void MakeModel();
+  void DropModel();
+  void ModelProperties();
+  void ModelState();
+  void ModelSpace();
+  void ModelPaths();
+  void MakeAsset();
+  void DropAsset();
+  void AssetData();
+  void AssetNodes();
+
   SequenceOptions options_;
   Random random_;
   Functions f_;
@@ -173,6 +186,10 @@ class Sequence {
   Pool<XrAction> actions_;
   Pool<XrSpace> spaces_;
   Pool<XrHandTrackerEXT> hands_;
+  Pool<XrRenderModelEXT> models_;
+  Pool<XrRenderModelAssetEXT> assets_;
+  std::vector<XrRenderModelIdEXT> model_ids_;
+  std::vector<XrUuidEXT> cache_ids_;
   Pool<XrForceFeedbackOMNIX1> forces_;
   Pool<XrHapticSceneOMNIX1> scenes_;
   std::vector<XrHapticNodeIdOMNIX1> nodes_;
