@@ -105,9 +105,9 @@ std::string Including(const std::string& header) {
   return including;
 }
 
-// It is an independent reference for our glTF reader; nothing else uses it.
-TEST(Includes, OnlyDecodeJudgeIncludesTinyGltf) {
-  EXPECT_EQ(Including("tiny_gltf.h"), "tests/scene/decode_judge.cc\n");
+// It is an independent reference for our glTF reader, and for the file that the layer gives to applications.
+TEST(Includes, OnlyJudgesIncludeTinyGltf) {
+  EXPECT_EQ(Including("tiny_gltf.h"), "tests/scene/decode_judge.cc\ntests/scenes/pen.cc\n");
 }
 
 // It takes seconds to compile.

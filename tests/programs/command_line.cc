@@ -18,8 +18,8 @@ namespace test_programs_command_line {
 std::vector<std::string> Programs() {
   std::vector<std::string> programs;
   for (const char* name :
-       {"omni", "omnid", "scene_render", "scene_generator", "pen_generator", "omni_probe", "omni_touch", "omni_force", "omni_block",
-        "omni_align_probe", "omni-twin", "omni-bench", "omni_bench_layer", "omni_hil"}) {
+       {"omni", "omnid", "scene_render", "scene_generator", "pen_generator", "omni_probe", "omni_touch", "omni_force",
+        "omni_block", "omni_align_probe", "omni-twin", "omni-bench", "omni_bench_layer", "omni_hil"}) {
     if (std::filesystem::exists(BinaryPath(name))) programs.emplace_back(name);
   }
   return programs;
