@@ -64,6 +64,8 @@ bool Offers(const Instance& instance, std::string_view name) {
     return instance.Enabled(XR_FB_RENDER_MODEL_EXTENSION_NAME);
   if (name.find("RenderModel") != std::string_view::npos)
     return instance.Enabled(XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME);
+  if (name.find("InputDevice") != std::string_view::npos)
+    return instance.Enabled(XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME);
   if (name == "xrGetDeviceSampleRateFB") return instance.Enabled(XR_FB_HAPTIC_PCM_EXTENSION_NAME);
   if (name.find("Hand") != std::string_view::npos) return instance.Enabled(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
   if (name.find("Timespec") != std::string_view::npos)

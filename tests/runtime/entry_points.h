@@ -83,6 +83,11 @@
   X(EnumerateInteractionRenderModelIdsEXT) \
   X(EnumerateRenderModelSubactionPathsEXT) \
   X(GetRenderModelPoseTopLevelUserPathEXT) \
+  X(SetInputDeviceActiveEXT)               \
+  X(SetInputDeviceStateBoolEXT)            \
+  X(SetInputDeviceStateFloatEXT)           \
+  X(SetInputDeviceStateVector2fEXT)        \
+  X(SetInputDeviceLocationEXT)             \
   X(GetControllerModelKeyMSFT)             \
   X(EnumerateRenderModelPathsFB)           \
   X(GetRenderModelPropertiesFB)            \

@@ -51,6 +51,9 @@ const Extension kExtensions[] = {
 std::vector<Extension> Extensions() {
   std::vector<Extension> all(std::begin(kExtensions), std::end(kExtensions));
   for (const GraphicsExtension& graphics : GraphicsExtensions()) all.push_back({graphics.name, graphics.version});
+  if (std::getenv("OMNI_TEST_RUNTIME_AUTOMATION") != nullptr) {
+    all.push_back({XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME, XR_EXT_conformance_automation_SPEC_VERSION});
+  }
   if (TheState().world.has_shapes) {
     all.push_back({XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME, 1});
     all.push_back({XR_FB_HAPTIC_PCM_EXTENSION_NAME, 1});

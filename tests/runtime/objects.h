@@ -99,6 +99,7 @@ struct Slot {
   float y = 0;
   XrTime change_time = 0;
   Source pose_source;
+  int pose_hand = -1;  // of XR_NULL_PATH, which stays with the hand that fed it first; -1: none has
 };
 
 struct ActionState {

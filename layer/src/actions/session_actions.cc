@@ -237,9 +237,12 @@ void SessionActions::AdvanceView(View& view, const Action& action, const StatePa
     return;
   }
   // [input-multiple] One source, which changes when a controller is picked up or goes off. Of several places, the
-  // XR_NULL_PATH view stays with the first that fed it, even when that goes off: another hand must not take over.
-  if (view.pose_device == Device::kNone || !sticky)
-    view.pose_device = pen.active ? Device::kPen : runtime.active ? Device::kRuntime : Device::kNone;
+  // XR_NULL_PATH view stays with the first that fed it, even when that goes off: another hand must not take over. Of
+  // two that are there from the beginning, the left hand's is the first, as in the conformance tests.
+  if (view.pose_device == Device::kNone || !sticky) {
+    const bool runtimes_first = sticky && choice_.hand == Hand::kRight && runtime.active;
+    view.pose_device = pen.active && !runtimes_first ? Device::kPen : runtime.active ? Device::kRuntime : Device::kNone;
+  }
   view.state.active = PoseDevice(view) == Device::kPen ? pen.active : runtime.active;
 }
 

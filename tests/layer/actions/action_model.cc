@@ -245,7 +245,10 @@ void ActionModel::Remember(int action, At at, const ModelPart& runtime, const Mo
   m.of_layer = m.of_layer || (owner_ && (at == At::kNull || at == hand_));
   if (type == XR_ACTION_TYPE_POSE_INPUT) {
     const bool may_change = at != At::kNull || PlacesOf(action).size() <= 1;
-    if (m.device == 0 || may_change) m.device = pen.active ? 'p' : runtime.active ? 'r' : 0;
+    const char lefts = hand_ == At::kLeft ? 'p' : 'r';
+    const bool both = pen.active && runtime.active;
+    if (m.device == 0 || may_change)
+      m.device = both ? (may_change ? 'p' : lefts) : pen.active ? 'p' : runtime.active ? 'r' : 0;
     const bool from_pen = m.device == 'p' && !put_down_;
     m.state = {};
     m.state.active = from_pen ? pen.active : runtime.active;

@@ -238,6 +238,21 @@ TEST_F(Spaces, NullPathSpaceSticksToItsFirstDevice) {
   EXPECT_EQ(Locate(any, local, Now_ns()).location.locationFlags, 0u) << "not the left controller";
 }
 
+// [CTS ActionSpaces] two that are there from the first sync on: the left hand's, which is the runtime's here.
+TEST_F(Spaces, NullPathSpaceOfTwoHandsIsTheLeftOnes) {
+  App app;
+  Start(app);
+  const XrSpace any = app.ActionSpace(app.pose, XR_NULL_PATH), left = app.ActionSpace(app.pose, app.left);
+  service.Fill();
+  ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  EXPECT_EQ(Locate(any, local, Now_ns()).location.locationFlags, kSeen);
+  EXPECT_LT(glm::length(Locate(any, left, Now_ns()).p()), 1e-6);
+  omni_test_set_device("left", 0, nullptr);
+  service.Fill();
+  ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  EXPECT_EQ(Locate(any, local, Now_ns()).location.locationFlags, 0u) << "not the pen";
+}
+
 TEST_F(Spaces, GripLiesBehindTheTip) {
   AppOptions options;
   options.profiles = {kSimple};  // binds grip

@@ -10,8 +10,8 @@ using enum ComponentType;
 
 constexpr Component kSimple[] = {
     {"input/select/click", kBool, kBoth, "Select"}, {"input/menu/click", kBool, kBoth, "Menu"},
-    {"input/grip/pose", kPose, kBoth, "Grip"},      {"input/aim/pose", kPose, kBoth, "Aim"},
-    {"output/haptic", kHaptic, kBoth, "Haptics"},
+    {"input/grip/pose", kPose, kBoth, "Grip"},      {"input/grip_surface/pose", kPose, kBoth, "Grip surface"},
+    {"input/aim/pose", kPose, kBoth, "Aim"},        {"output/haptic", kHaptic, kBoth, "Haptics"},
 };
 
 constexpr Component kTouch[] = {
@@ -35,6 +35,7 @@ constexpr Component kTouch[] = {
     {"input/thumbstick/touch", kBool, kBoth, "Thumbstick"},
     {"input/thumbrest/touch", kBool, kBoth, "Thumbrest"},
     {"input/grip/pose", kPose, kBoth, "Grip"},
+    {"input/grip_surface/pose", kPose, kBoth, "Grip surface"},
     {"input/aim/pose", kPose, kBoth, "Aim"},
     {"output/haptic", kHaptic, kBoth, "Haptics"},
 };
@@ -62,17 +63,25 @@ constexpr Component kIndex[] = {
     {"input/trackpad/force", kFloat, kBoth, "Trackpad"},
     {"input/trackpad/touch", kBool, kBoth, "Trackpad"},
     {"input/grip/pose", kPose, kBoth, "Grip"},
+    {"input/grip_surface/pose", kPose, kBoth, "Grip surface"},
     {"input/aim/pose", kPose, kBoth, "Aim"},
     {"output/haptic", kHaptic, kBoth, "Haptics"},
 };
 
 constexpr Component kVive[] = {
-    {"input/system/click", kBool, kBoth, "System"},     {"input/menu/click", kBool, kBoth, "Menu"},
-    {"input/squeeze/click", kBool, kBoth, "Squeeze"},   {"input/trigger/click", kBool, kBoth, "Trigger"},
-    {"input/trigger/value", kFloat, kBoth, "Trigger"},  {"input/trackpad", kVector2, kBoth, "Trackpad"},
-    {"input/trackpad/x", kVectorX, kBoth, "Trackpad"},  {"input/trackpad/y", kVectorY, kBoth, "Trackpad"},
-    {"input/trackpad/click", kBool, kBoth, "Trackpad"}, {"input/trackpad/touch", kBool, kBoth, "Trackpad"},
-    {"input/grip/pose", kPose, kBoth, "Grip"},          {"input/aim/pose", kPose, kBoth, "Aim"},
+    {"input/system/click", kBool, kBoth, "System"},
+    {"input/menu/click", kBool, kBoth, "Menu"},
+    {"input/squeeze/click", kBool, kBoth, "Squeeze"},
+    {"input/trigger/click", kBool, kBoth, "Trigger"},
+    {"input/trigger/value", kFloat, kBoth, "Trigger"},
+    {"input/trackpad", kVector2, kBoth, "Trackpad"},
+    {"input/trackpad/x", kVectorX, kBoth, "Trackpad"},
+    {"input/trackpad/y", kVectorY, kBoth, "Trackpad"},
+    {"input/trackpad/click", kBool, kBoth, "Trackpad"},
+    {"input/trackpad/touch", kBool, kBoth, "Trackpad"},
+    {"input/grip/pose", kPose, kBoth, "Grip"},
+    {"input/grip_surface/pose", kPose, kBoth, "Grip surface"},
+    {"input/aim/pose", kPose, kBoth, "Aim"},
     {"output/haptic", kHaptic, kBoth, "Haptics"},
 };
 
@@ -90,6 +99,7 @@ constexpr Component kMotion[] = {
     {"input/trackpad/click", kBool, kBoth, "Trackpad"},
     {"input/trackpad/touch", kBool, kBoth, "Trackpad"},
     {"input/grip/pose", kPose, kBoth, "Grip"},
+    {"input/grip_surface/pose", kPose, kBoth, "Grip surface"},
     {"input/aim/pose", kPose, kBoth, "Aim"},
     {"output/haptic", kHaptic, kBoth, "Haptics"},
 };

@@ -18,6 +18,8 @@ XrResult CheckBinding(const Instance& instance, const Profile& profile, const Xr
   OMNI_REQUIRE(text != nullptr, XR_ERROR_PATH_INVALID);
   const HandPath split = SplitHandPath(*text);
   OMNI_REQUIRE(split.hand >= 0 && IsSupported(profile, split.hand, split.rest), XR_ERROR_PATH_UNSUPPORTED);
+  // OpenXR 1.1 has it in every profile.
+  OMNI_REQUIRE(instance.version_1_1 || !split.rest.starts_with("input/grip_surface"), XR_ERROR_PATH_UNSUPPORTED);
   OMNI_REQUIRE(!action->set->attached, XR_ERROR_ACTIONSETS_ALREADY_ATTACHED);
   *suggestion = {action, split.hand, std::string(split.rest), {}};
   return XR_SUCCESS;

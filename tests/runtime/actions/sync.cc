@@ -125,11 +125,15 @@ Value Convert(const World& world, XrActionType type, Bound& bound) {
 }
 
 // Merge of several sources (chapter "Multiple inputs"): boolean or, largest magnitude, longest vector, and for poses
-// one source, kept as long as it lives.
-void Evaluate(const World& world, XrActionType type, std::span<Bound* const> sources, Slot& slot) {
+// one source, kept as long as it lives, and its hand for ever.
+void Evaluate(const World& world, XrActionType type, std::vector<Bound*>& sources, Slot& slot) {
   const Slot before = slot;
   ClearSlot(slot);
+  if (type == XR_ACTION_TYPE_POSE_INPUT && slot.pose_hand >= 0) {
+    std::erase_if(sources, [&slot](const Bound* bound) { return bound->source.hand != slot.pose_hand; });
+  }
   if (sources.empty()) return;
+  slot.pose_hand = sources.front()->source.hand;
   slot.active = true;
   float best = -1;
   for (Bound* const bound : sources) {

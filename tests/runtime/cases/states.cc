@@ -225,7 +225,51 @@ TEST_F(StateTest, PoseStaysWithItsFirstDevice) {
   EXPECT_NEAR(Locate(space, stage).location.pose.position.x, 0.2f, 1e-6f) << "the right hand was first";
   omni_test_set_device("right", 0, nullptr);
   ASSERT_EQ(Sync(), XR_SUCCESS);
-  EXPECT_NEAR(Locate(space, stage).location.pose.position.x, -0.2f, 1e-6f);
+  EXPECT_FALSE(Locate(space, stage).valid()) << "[CTS ActionSpaces] it picks one device and stays with it";
+  omni_test_set_device("right", 1, nullptr);
+  ASSERT_EQ(Sync(), XR_SUCCESS);
+  EXPECT_NEAR(Locate(space, stage).location.pose.position.x, 0.2f, 1e-6f);
+}
+
+// XR_EXT_conformance_automation: what the hooks do, from inside of an application.
+TEST_F(StateTest, AutomationMovesDevices) {
+  ::setenv("OMNI_TEST_RUNTIME_AUTOMATION", "1", 1);
+  DestroyInstance();
+  ASSERT_EQ(CreateInstance({XR_MND_HEADLESS_EXTENSION_NAME, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME,
+                            XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME}),
+            XR_SUCCESS);
+  ::unsetenv("OMNI_TEST_RUNTIME_AUTOMATION");
+  ASSERT_EQ(CreateSession(), XR_SUCCESS);
+  set_ = AddSet("automation");
+  const auto function = [this](const char* name) {
+    PFN_xrVoidFunction found = nullptr;
+    EXPECT_EQ(xrGetInstanceProcAddr(instance_, name, &found), XR_SUCCESS) << name;
+    return found;
+  };
+  const auto set_active = reinterpret_cast<PFN_xrSetInputDeviceActiveEXT>(function("xrSetInputDeviceActiveEXT"));
+  const auto set_float = reinterpret_cast<PFN_xrSetInputDeviceStateFloatEXT>(function("xrSetInputDeviceStateFloatEXT"));
+  const auto set_location = reinterpret_cast<PFN_xrSetInputDeviceLocationEXT>(function("xrSetInputDeviceLocationEXT"));
+  const XrPath right = Path("/user/hand/right");
+  const XrPath trigger = Path("/user/hand/right/input/trigger/value"), grip = Path("/user/hand/right/input/grip/pose");
+  const XrAction pull = AddAction("pull", kFloat), pose = AddAction("pose", kPose);
+  ASSERT_EQ(
+      Suggest(kTouchPath, {{pull, "/user/hand/right/input/trigger/value"}, {pose, "/user/hand/right/input/grip/pose"}}),
+      XR_SUCCESS);
+  EXPECT_EQ(set_active(session_, Path(kTouchPath), right, XR_TRUE), XR_SUCCESS);
+  EXPECT_EQ(set_float(session_, right, trigger, 0.75f), XR_SUCCESS);
+  EXPECT_EQ(set_float(session_, Path("/user/hand/left"), trigger, 0.75f), XR_ERROR_PATH_UNSUPPORTED);
+  EXPECT_EQ(set_float(session_, right, Path("/user/hand/right/input/no/value"), 0.75f), XR_ERROR_PATH_UNSUPPORTED);
+  EXPECT_EQ(set_active(session_, right, right, XR_TRUE), XR_ERROR_PATH_UNSUPPORTED);
+  const XrSpace stage = ReferenceSpace(XR_REFERENCE_SPACE_TYPE_STAGE);
+  EXPECT_EQ(set_location(session_, right, grip, stage, {{0, 0, 0, 1}, {1, 2, 3}}), XR_SUCCESS);
+  AttachAndFocus();
+  const XrSpace space = ActionSpace(pose);
+  ASSERT_EQ(Sync(), XR_SUCCESS);
+  EXPECT_NEAR(Locate(space, stage).location.pose.position.y, 2, 1e-6f);
+  EXPECT_FLOAT_EQ(Float(pull).currentState, 0.75f);
+  EXPECT_EQ(set_active(session_, Path(kTouchPath), right, XR_FALSE), XR_SUCCESS);
+  ASSERT_EQ(Sync(), XR_SUCCESS);
+  EXPECT_FALSE(Locate(space, stage).valid());
 }
 
 TEST_F(StateTest, BoundSourcesAreListedWithNames) {
