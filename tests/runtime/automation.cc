@@ -38,7 +38,7 @@ XrResult SetInputDeviceActiveEXT(XrSession session, XrPath profile, XrPath top_l
   OMNI_REQUIRE(name != nullptr && PathText(*owner->instance, top_level) != nullptr, XR_ERROR_PATH_INVALID);
   const int hand = HandOf(*owner->instance, top_level);
   OMNI_REQUIRE(hand >= 0, XR_ERROR_PATH_UNSUPPORTED);
-  return Done(state.world.SetDevice(hand, active != XR_FALSE, *name));
+  return Done(state.world.RenewDevice(hand, active != XR_FALSE, *name));
 }
 
 XrResult SetInputDeviceStateBoolEXT(XrSession session, XrPath top_level, XrPath source, XrBool32 value) {

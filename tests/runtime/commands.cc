@@ -35,14 +35,9 @@ bool SetFocus(State& state, bool focus) {
   return true;
 }
 
-// [XrEventDataUserPresenceChangedEXT] for every session of an instance that enabled the extension.
 bool SetUserPresence(State& state, bool present) {
-  const XrBool32 is_present = present ? XR_TRUE : XR_FALSE;
-  ForEachSession(state, [is_present](Session& session) {
-    if (session.lost || !session.instance->Enabled(XR_EXT_USER_PRESENCE_EXTENSION_NAME)) return;
-    Push(*session.instance, XrEventDataUserPresenceChangedEXT{XR_TYPE_EVENT_DATA_USER_PRESENCE_CHANGED_EXT, nullptr,
-                                                              Handles::As<XrSession>(session.handle), is_present});
-  });
+  state.world.user_present = present;
+  ForEachSession(state, [&state](Session& session) { TellUserPresence(state, session); });
   return true;
 }
 

@@ -5,6 +5,8 @@
 
 namespace omni::runtime {
 
+// OpenXR 1.1
+inline constexpr auto kStereoWithFoveatedInset = static_cast<XrViewConfigurationType>(1000037000);
 inline constexpr auto kLocalFloor = static_cast<XrReferenceSpaceType>(kReferenceSpaceTypeLocalFloor);
 
 }  // namespace omni::runtime

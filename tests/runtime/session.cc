@@ -44,9 +44,11 @@ XrResult BeginSession(XrSession session, const XrSessionBeginInfo* info) {
   OMNI_REQUIRE(Is(info, XR_TYPE_SESSION_BEGIN_INFO), XR_ERROR_VALIDATION_FAILURE);
   OMNI_REQUIRE(!owner->running, XR_ERROR_SESSION_RUNNING);
   OMNI_REQUIRE(owner->state == XR_SESSION_STATE_READY, XR_ERROR_SESSION_NOT_READY);
+  if (const XrResult check = CheckViewConfiguration(info->primaryViewConfigurationType); XR_FAILED(check)) return check;
   owner->running = true;
   owner->frame_waited = owner->frame_begun = owner->in_step = false;
   owner->next_frame = 0;
+  TellUserPresence(state, *owner);
   return XR_SUCCESS;
 }
 

@@ -93,6 +93,8 @@ void Push(Instance& instance, const Event& event) {
   PushEvent(instance, buffer);
 }
 void SetSessionState(Session& session, XrSessionState state);
+// [XrEventDataUserPresenceChangedEXT] where the instance enabled the extension: when it changes, and at each begin.
+void TellUserPresence(const State& state, Session& session);
 // Lets sessions follow World::focus.
 void ApplyFocus(State& state);
 

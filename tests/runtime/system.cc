@@ -25,6 +25,7 @@ XrResult CheckViewConfiguration(XrViewConfigurationType type) {
     case XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO:
       return XR_SUCCESS;
     case XR_VIEW_CONFIGURATION_TYPE_PRIMARY_MONO:
+    case kStereoWithFoveatedInset:
       return XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED;
     default:
       return XR_ERROR_VALIDATION_FAILURE;
@@ -48,10 +49,8 @@ XrResult GetSystem(XrInstance instance, const XrSystemGetInfo* info, XrSystemId*
     case XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY:
       *system = kSystemId;
       return XR_SUCCESS;
-    case XR_FORM_FACTOR_HANDHELD_DISPLAY:
-      return XR_ERROR_FORM_FACTOR_UNSUPPORTED;
     default:
-      return XR_ERROR_VALIDATION_FAILURE;
+      return XR_ERROR_FORM_FACTOR_UNSUPPORTED;
   }
 }
 

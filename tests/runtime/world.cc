@@ -32,7 +32,7 @@ void World::Reset() {
   stage_origins.assign(1, {0, kIdentity});
   has_stage = has_timespec = tells_velocities = true;
   has_shapes = holds_images = false;
-  has_models = true;
+  has_models = user_present = true;
   first_model = 1;
   creation = XR_SUCCESS;
   for (int hand = 0; hand < kHands; ++hand) {
@@ -68,6 +68,12 @@ bool World::SetDevice(int hand, bool present, std::string_view profile) {
     if (index != devices[hand].profile) ApplyProfile(hand, index);
   }
   devices[hand].present = present;
+  return true;
+}
+
+bool World::RenewDevice(int hand, bool present, std::string_view profile) {
+  if (!SetDevice(hand, present, profile)) return false;
+  for (Value& value : devices[hand].values) value.x = value.y = 0;
   return true;
 }
 

@@ -78,6 +78,7 @@ struct World {
   uint64_t first_model = 1;      // the least id of render models from now on
   bool tells_velocities = true;  // false: no XrSpaceVelocity is ever valid
   bool holds_images = false;     // true: the display keeps reading every swapchain image
+  bool user_present = true;      // the headset is worn
   bool focus = true;
   XrResult creation = XR_SUCCESS;  // what xrCreateInstance returns, if it is an error
   uint32_t next_epoch = 1;
@@ -87,6 +88,8 @@ struct World {
   void Reset();
 
   bool SetDevice(int hand, bool present, std::string_view profile);
+  // The same, and every component at rest.
+  bool RenewDevice(int hand, bool present, std::string_view profile);
   // `path` is a full component path of the device's profile; false if there is none of that type.
   bool SetBool(std::string_view path, bool value);
   bool SetFloat(std::string_view path, float value);

@@ -148,6 +148,8 @@ TEST_F(InstanceTest, SystemIsOneStereoDisplay) {
   get.formFactor = XR_FORM_FACTOR_HANDHELD_DISPLAY;
   XrSystemId system = 7;
   EXPECT_EQ(xrGetSystem(instance_, &get, &system), XR_ERROR_FORM_FACTOR_UNSUPPORTED);
+  get.formFactor = XR_FORM_FACTOR_MAX_ENUM;
+  EXPECT_EQ(xrGetSystem(instance_, &get, &system), XR_ERROR_FORM_FACTOR_UNSUPPORTED);
   get.formFactor = XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY;
   ASSERT_EQ(xrGetSystem(instance_, &get, &system), XR_SUCCESS);
   auto properties = Make<XrSystemProperties>(XR_TYPE_SYSTEM_PROPERTIES);

@@ -45,6 +45,18 @@ TEST_F(SessionTest, BeginAndEndNeedTheRightSessionState) {
   EXPECT_EQ(xrEndSession(session_), XR_ERROR_SESSION_NOT_STOPPING);
 }
 
+TEST_F(SessionTest, BeginsInAViewConfigurationThatTheSystemHas) {
+  Start();
+  (void)PollStates();
+  auto info = Make<XrSessionBeginInfo>(XR_TYPE_SESSION_BEGIN_INFO);
+  info.primaryViewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_MONO;
+  EXPECT_EQ(xrBeginSession(session_, &info), XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED);
+  info.primaryViewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_MAX_ENUM;
+  EXPECT_EQ(xrBeginSession(session_, &info), XR_ERROR_VALIDATION_FAILURE);
+  info.primaryViewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
+  EXPECT_EQ(xrBeginSession(session_, &info), XR_SUCCESS);
+}
+
 TEST_F(SessionTest, ExitPassesEveryStateInOrder) {
   Focus();
   ASSERT_EQ(xrRequestExitSession(session_), XR_SUCCESS);
