@@ -46,7 +46,6 @@ TEST_F(SessionTest, BeginAndEndNeedTheRightSessionState) {
 }
 
 TEST_F(SessionTest, BeginsInAViewConfigurationThatTheSystemHas) {
-  Start();
   (void)PollStates();
   auto info = Make<XrSessionBeginInfo>(XR_TYPE_SESSION_BEGIN_INFO);
   info.primaryViewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_MONO;
