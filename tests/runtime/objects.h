@@ -130,6 +130,7 @@ struct Instance : Object {
   bool analog_threshold = false;
   bool set_priorities = false;  // XR_EXT_active_action_set_priority
   VulkanSetup vulkan;
+  bool opengl_asked = false;  // for OpenGL's requirements
   std::vector<std::string> paths;
   std::unordered_map<std::string, uint32_t> path_ids;
   std::deque<XrEventDataBuffer> events;

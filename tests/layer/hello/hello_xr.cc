@@ -16,6 +16,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <thread>
 #include <vector>
@@ -27,6 +28,7 @@ namespace omni::test {
 namespace test_hello_xr {
 
 constexpr const char* kLayer = "XR_APILAYER_OMNI_stylus";
+constexpr const char* kOpengl = "OpenGL";
 constexpr int kEyeSide = 1024;
 // A driver in software that crashes is no fault of ours; it is tried again, and counted.
 constexpr int kAttempts = 3;
@@ -72,6 +74,42 @@ struct Picture {
   }
 };
 
+// An X server without a screen, on a display number that is free.
+class XServer {
+ public:
+#ifdef OMNI_XVFB
+  XServer() {
+    int number[2] = {-1, -1};
+    if (pipe(number) != 0) return;
+    child_ = fork();
+    if (child_ == 0) {
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
+      const int nowhere = open("/dev/null", O_WRONLY);
+      dup2(nowhere, STDERR_FILENO);
+      close(number[0]);
+      const std::string file = std::to_string(number[1]);
+      execl(OMNI_XVFB, OMNI_XVFB, "-displayfd", file.c_str(), "-screen", "0", "640x480x24", "-nolisten", "tcp",
+            nullptr);
+      _exit(127);
+    }
+    close(number[1]);
+    // It writes the number and a line feed when it is ready.
+    for (char next = 0; read(number[0], &next, 1) == 1 && next != '\n';) display_ += next;
+    close(number[0]);
+  }
+  ~XServer() {
+    if (child_ <= 0) return;
+    kill(child_, SIGTERM);
+    waitpid(child_, nullptr, 0);
+  }
+#endif
+  std::string display() const { return ":" + display_; }
+
+ private:
+  pid_t child_ = -1;
+  std::string display_;
+};
+
 std::string ReadAll(const std::string& file) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
@@ -82,6 +120,8 @@ std::string ReadAll(const std::string& file) {
 class HelloRun {
  public:
   HelloRun(const std::string& graphics, const std::string& layers, const std::function<void()>& meanwhile) {
+    std::optional<XServer> x_server;
+    if (graphics == kOpengl) setenv("DISPLAY", x_server.emplace().display().c_str(), 1);
     for (int i = 0; i < kAttempts; ++i) {
       std::filesystem::remove(folder_.Path("crash"));
       status_ = Once(graphics, layers, meanwhile);
@@ -118,6 +158,7 @@ class HelloRun {
       setenv("XR_ENABLE_API_LAYERS", layers.c_str(), 1);
       setenv("OMNI_TEST_RUNTIME_PICTURES", folder_.Path().c_str(), 1);
       setenv("OMNI_TEST_RUNTIME_CRASH", folder_.Path("crash").c_str(), 1);
+      if (graphics == kOpengl) setenv("LD_PRELOAD", OMNI_MODE_LINES, 1);
       execl(OMNI_HELLO_XR, OMNI_HELLO_XR, "-g", graphics.c_str(), nullptr);
       _exit(127);
     }
@@ -138,6 +179,14 @@ class HelloRun {
   TempFolder folder_;
   int status_ = -1;
   int driver_crashes_ = 0;
+};
+
+const char* const kGraphics[] = {
+    "Vulkan2",
+    "Vulkan",
+#ifdef OMNI_XVFB
+    kOpengl,
+#endif
 };
 
 class HelloXr : public testing::TestWithParam<const char*> {};
@@ -173,7 +222,7 @@ TEST_P(HelloXr, DrawsItsSceneAndWithTheLayerAHandWhereThePenIs) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Graphics, HelloXr, testing::Values("Vulkan2", "Vulkan"),
+INSTANTIATE_TEST_SUITE_P(Graphics, HelloXr, testing::ValuesIn(kGraphics),
                          [](const auto& instance) { return std::string(instance.param); });
 
 }  // namespace test_hello_xr

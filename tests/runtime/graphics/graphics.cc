@@ -2,6 +2,7 @@
 
 #include <openxr/openxr_platform.h>
 
+#include "tests/runtime/graphics/opengl.h"
 #include "tests/runtime/graphics/vulkan.h"
 #include "tests/runtime/state.h"
 
@@ -17,6 +18,7 @@ struct Api {
 
 constexpr Api kApis[] = {
     {&VulkanExtensions, &FindVulkanFunction, XR_TYPE_GRAPHICS_BINDING_VULKAN_KHR, &CreateVulkanGraphics},
+    {&OpenglExtensions, &FindOpenglFunction, XR_TYPE_GRAPHICS_BINDING_OPENGL_XLIB_KHR, &CreateOpenglGraphics},
 };
 
 constexpr XrStructureType kBindings[] = {

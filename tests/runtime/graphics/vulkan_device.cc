@@ -1,10 +1,9 @@
 #include "tests/runtime/graphics/vulkan_device.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <utility>
 
+#include "tests/runtime/graphics/texels.h"
 #include "tests/runtime/state.h"
 
 namespace omni::runtime {
@@ -233,25 +232,6 @@ class ReadBuffer {
   const uint8_t* bytes_ = nullptr;
 };
 
-float ToLinear(uint8_t value, bool srgb) {
-  const float part = static_cast<float>(value) / 255.0F;
-  if (!srgb) return part;
-  return part <= 0.04045F ? part / 12.92F : std::pow((part + 0.055F) / 1.055F, 2.4F);
-}
-
-Picture ToPicture(const uint8_t* bytes, uint32_t width, uint32_t height, const Format& format) {
-  float linear[256];
-  for (int i = 0; i < 256; ++i) linear[i] = ToLinear(static_cast<uint8_t>(i), format.srgb);
-  Picture picture{width, height, std::vector<float>(size_t{width} * height * 4)};
-  for (size_t i = 0; i < picture.rgba.size(); i += 4) {
-    picture.rgba[i] = linear[bytes[i + (format.blue_first ? 2 : 0)]];
-    picture.rgba[i + 1] = linear[bytes[i + 1]];
-    picture.rgba[i + 2] = linear[bytes[i + (format.blue_first ? 0 : 2)]];
-    picture.rgba[i + 3] = ToLinear(bytes[i + 3], false);
-  }
-  return picture;
-}
-
 class VulkanImages : public Images {
  public:
   VulkanImages(std::shared_ptr<const VulkanDevice> device, const Format& format)
@@ -304,7 +284,7 @@ class VulkanImages : public Images {
       device_->CmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer.handle(), 1, &copy);
       Change(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, format_.layout());
     });
-    return done ? ToPicture(buffer.bytes(), width, height, format_) : Picture{};
+    return done ? FromTexels(buffer.bytes(), width, height, format_.srgb, format_.blue_first) : Picture{};
   }
 
  private:
