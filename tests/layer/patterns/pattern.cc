@@ -1,6 +1,5 @@
 #include "tests/layer/patterns/pattern.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
@@ -13,6 +12,15 @@ namespace omni::test::patterns {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// Throws if there is another key, which nothing would read.
+void CheckKeys(const Json& json, std::initializer_list<const char*> known) {
+  for (const auto& [key, value] : json.items()) {
+    bool found = false;
+    for (const char* one : known) found = found || key == one;
+    if (!found) throw std::runtime_error("unknown key \"" + key + "\"");
+  }
+}
 
 template <class Value>
 using Words = std::initializer_list<std::pair<const char*, Value>>;
@@ -90,6 +98,7 @@ void ReadProfiles(const Json& json, Pattern& pattern) {
 }
 
 PatternDevice ReadDevice(const Json& json, const Pattern& pattern) {
+  CheckKeys(json, {"pose", "press", "haptic", "at_null", "threshold", "press_checks_active"});
   PatternDevice device{json.at("pose"),
                        json.at("press"),
                        json.value("haptic", ""),
@@ -129,6 +138,7 @@ void ReadReads(const Json& json, Pattern& pattern) {
                                              {"at sync after event", ProfileRead::kAtSyncAfterEvent},
                                              {"each frame", ProfileRead::kEachFrame}});
   const Json& there = json.at("there_when");
+  CheckKeys(there, {"profile", "pose_active", "press_active", "all", "any"});
   pattern.needs_profile = there.value("profile", false);
   pattern.needs_pose_active = there.value("pose_active", false);
   pattern.needs_press_active = there.value("press_active", false);
@@ -149,6 +159,34 @@ void ReadReads(const Json& json, Pattern& pattern) {
 }
 
 Pattern Read(const Json& json) {
+  CheckKeys(json, {"id",
+                   "name",
+                   "version",
+                   "sources",
+                   "notes",
+                   "extensions",
+                   "hands",
+                   "sets",
+                   "actions_per_hand",
+                   "subaction_paths",
+                   "actions",
+                   "profiles",
+                   "suggests_before_session",
+                   "suggests_each_alone_first",
+                   "asks_profile_in_first_session",
+                   "rejected",
+                   "spaces",
+                   "space_per_profile",
+                   "new_session",
+                   "base",
+                   "new_base_at_recentre",
+                   "profile_read",
+                   "there_when",
+                   "with_velocity",
+                   "hand",
+                   "pen",
+                   "name_by",
+                   "model_by"});
   Pattern pattern;
   pattern.name = json.at("name");
   pattern.id = json.at("id");

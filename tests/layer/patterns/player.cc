@@ -1,8 +1,8 @@
 #include "tests/layer/patterns/player.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
-#include <cstring>
 #include <stdexcept>
 
 #include "tests/layer/support/app.h"

@@ -1,5 +1,4 @@
 // What the program does each frame, and what it asks besides.
-#include <algorithm>
 #include <cstring>
 #include <utility>
 
