@@ -23,6 +23,17 @@ def read_lines(path):
     return lines
 
 
+def last_report(text):
+    """The last JSON object that a program of ours printed on a line of its own; {}: none."""
+    for line in reversed(text.splitlines()):
+        if line.startswith("{"):
+            try:
+                return json.loads(line)
+            except json.JSONDecodeError:
+                pass
+    return {}
+
+
 def of(lines, what, **wanted):
     return [line for line in lines if line["what"] == what and all(line.get(key) == value for key, value in wanted.items())]
 

@@ -11,6 +11,12 @@ ABOVE = (0.0, 0.0, 0.075)   # of the base: over the scene, in the air
 DOWN = (0.0, 0.0, -1.0)
 
 
+def circling(seconds, radius_m=0.008, turns_s=0.2):
+    """A place near ABOVE, where a hand that waits is."""
+    angle = 2 * math.pi * turns_s * seconds
+    return (ABOVE[0] + radius_m * math.cos(angle), ABOVE[1] + radius_m * math.sin(angle), ABOVE[2])
+
+
 def packet(tip_m, axis=DOWN, present=True):
     return struct.pack("<4I6d", MAGIC, VERSION, 1 if present else 0, 0, *tip_m, *axis)
 
@@ -78,6 +84,26 @@ class Truth:
             elif force > under_N:
                 pressed_at = t
         return count
+
+
+class Growing:
+    """The newest force in a record of the twin that is still written."""
+
+    def __init__(self, path):
+        self.file = open(path, "rb")
+        self.names = None
+        self.rest = b""
+        self.force = None
+
+    def newest(self):
+        """(x, y, z) in N, in the base's axes; None: no row yet."""
+        *lines, self.rest = (self.rest + self.file.read()).split(b"\n")
+        if lines and self.names is None:
+            self.names = lines.pop(0).decode().split(",")
+        if lines:
+            row = dict(zip(self.names, lines[-1].decode().split(",")))
+            self.force = tuple(float(row[f"coil_force_{axis}_N"]) for axis in "xyz")
+        return self.force
 
 
 def pulses(path):

@@ -27,7 +27,7 @@ class Play:
         self.program, self.place, self.patience_s, self.words = program, place, patience_s, words
         self.file = place.folder / "witness.jsonl"
         self.turns, self.changes = [], []
-        self.hand = None
+        self.hand, self.held = None, False
         self.process = None
 
     def lines(self):
@@ -38,15 +38,20 @@ class Play:
         environment = self.place.program_environment(self.file)
         if self.program.project:
             shutil.copytree(stand.ROOT / self.program.project, self.place.run / "project")
-            environment["DISPLAY"] = self.place.display()
+            environment |= self.place.display()
         self.process = self.place.start("program", [*argv, *self.words], environment, stdin=subprocess.PIPE)
 
     def alive(self):
         return self.process.poll() is None
 
     def wait(self, condition, what):
-        """False, and noted, if the program ends or it takes too long."""
-        if stand.wait_until(lambda: condition() or not self.alive(), self.patience_s, 0.1) and self.alive():
+        """False, and noted, if the program ends or it takes too long. Meanwhile a pen that is there circles in the air: one that rests
+        for 20 s counts as put down."""
+        def over():
+            if self.hand and self.held:
+                self.hand.aim(hand.circling(time.monotonic()))
+            return condition() or not self.alive()
+        if stand.wait_until(over, self.patience_s, 0.1) and self.alive():
             return True
         self.changes.append({"missed": what if self.alive() else f"{what}: the program has ended ({self.process.returncode})"})
         return False
@@ -74,6 +79,7 @@ class Play:
             self.turns[-1]["to"] = now_ns()
 
     def come(self):
+        self.held = True
         self.hand.aim(hand.ABOVE)
 
     def press(self):
@@ -92,8 +98,13 @@ class Play:
         recent = lambda: [line for line in given.of(self.lines(), "frame") if line["t"] > now_ns() - 3_000_000_000]
         return not self.program.graphics or self.wait(lambda: len(recent()) >= WARM_FRAMES, "frames did not come regularly")
 
+    def stop_service(self):
+        self.held = False
+        self.place.stop_service()
+
     def away(self):
         self.end_turn()
+        self.held = False
         self.hand.away()
 
 
@@ -119,7 +130,7 @@ def controller_first(play):
         if play.turn_to("pen", play.come):
             play.press()
             play.end_turn()
-            play.turn_to("controller", play.place.stop_service)
+            play.turn_to("controller", play.stop_service)
     play.end_turn()
 
 
@@ -157,6 +168,8 @@ def row(play, program, mode, root, ended, truth):
               "controller_off_mm": given.controller_off_mm(lines, program.poses, play.turns),
               "presses": given.presses(lines, program.select), "haptics": given.haptics(lines),
               "validation": play.place.validation, "validation_errors": play.place.validation_errors()}
+    if program.project:
+        result["presses_game"] = given.last_report(play.place.output("program")).get("presses")
     if truth:
         result |= given.pose_errors(lines, truth, program.poses, play.turns)
         result |= {"presses_true": truth.presses(), "pulses": hand.pulses(play.place.folder / "loop.csv")}

@@ -60,6 +60,8 @@ class Stand:
         self.validation, self.with_layer = validation, with_layer  # validation: None, "above" or "below"
         self.processes = []
         self.service = self.monado = None
+        self._display, self._xauthority = "", ""
+        self._shared = set()
 
     def __enter__(self):
         return self
@@ -69,9 +71,9 @@ class Stand:
             end_process(process)
         shutil.rmtree(self.run, ignore_errors=True)
 
-    def _seen(self):
+    def seen(self):
         """Real folders that programs in the root reach, each once and none within another."""
-        wanted = {ROOT, self.run, self.folder.resolve()}
+        wanted = {ROOT, self.run, self.folder.resolve(), *self._shared}
         wanted |= {(self.built / name).resolve() for name in ("bin", "lib", "share", "share/openxr/1/api_layers/explicit.d")}
         wanted |= {self.built.absolute()}
         return [path for path in sorted(wanted) if not any(path != other and other in path.parents for other in wanted)]
@@ -83,25 +85,35 @@ class Stand:
         """A program in the root."""
         own = {"HOME": str(self.run), "XDG_RUNTIME_DIR": str(self.run), **(env or {})}
         with self.log(name) as log:
-            process = self.root.start(argv, own, self._seen(), stdout=log, stderr=subprocess.STDOUT, **popen)
+            process = self.root.start(argv, own, self.seen(), stdout=log, stderr=subprocess.STDOUT, **popen)
         self.processes.append(process)
         return process
 
     def start_monado(self):
         self.monado = self.start("monado", ["monado-service"], SIMULATED, stdin=subprocess.PIPE)  # it ends at the end of its input
-        if not wait_until(lambda: (self.run / "monado_comp_ipc").exists() and b"service has started" in self._text("monado"), 30):
+        if not wait_until(lambda: (self.run / "monado_comp_ipc").exists() and "service has started" in self.output("monado"), 30):
             raise roots.Missing(f"Monado did not start: {self.folder}/monado.txt")
 
+    def use_display(self, display, xauthority):
+        """A person's X display: its socket and its key."""
+        self._display = display
+        self._shared.add(pathlib.Path("/tmp/.X11-unix"))
+        if xauthority and os.path.exists(xauthority):
+            self._xauthority = str(shutil.copy(xauthority, self.run / "xauthority"))
+
     def display(self):
-        """An X server without a screen, in the root; its DISPLAY."""
+        """The environment of a window; without a person's display, of an X server without a screen in the root."""
+        if self._display:
+            return {"DISPLAY": self._display, **({"XAUTHORITY": self._xauthority} if self._xauthority else {})}
         process = self.start("display", ["Xvfb", "-displayfd", "1", "-screen", "0", "1024x768x24"])
-        numbers = lambda: re.findall(rb"^(\d+)$", self._text("display"), re.M)
+        numbers = lambda: re.findall(r"^(\d+)$", self.output("display"), re.M)
         if not wait_until(lambda: numbers() or process.poll() is not None, 20) or not numbers():
             raise roots.Missing(f"Xvfb did not start: {self.folder}/display.txt")
-        return ":" + numbers()[0].decode()
+        return {"DISPLAY": ":" + numbers()[0]}
 
-    def _text(self, name):
-        return (self.folder / f"{name}.txt").read_bytes()
+    def output(self, name):
+        """What a program has printed."""
+        return (self.folder / f"{name}.txt").read_text(errors="replace")
 
     def program_environment(self, witness):
         """What the loader needs: which layers, in which order from the program down."""

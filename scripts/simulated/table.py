@@ -41,6 +41,8 @@ def of_pen(row, presses):
     # A machine that stalls may let go of a force and take it up again: then the record has more.
     if row["presses"] != row["presses_true"] or row["presses_true"] < presses:
         found.append(f"{presses} presses of the hand, {row['presses_true']} in the twin's record, {row['presses']} in the program")
+    if row.get("presses_game", row["presses"]) != row["presses"]:
+        found.append(f"{row['presses']} presses reached the engine, {row['presses_game']} the game")
     if not row["haptics"]:
         found.append("no vibration was sent")
     elif not row["pulses"]:

@@ -1,8 +1,7 @@
 """scripts/engines judges what programs were given; here a recorded run of omni_touch on Monado, and what is made wrong in it."""
 import copy
-import importlib.machinery
-import importlib.util
 import json
+import math
 import pathlib
 import subprocess
 import sys
@@ -15,7 +14,7 @@ SAMPLE = pathlib.Path(__file__).resolve().parent / "engines_sample"
 sys.dont_write_bytecode = True
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "tests/engines/godot")]
 import relief  # noqa: E402
-from simulated import given, hand, programs, roots, runs, stand, table  # noqa: E402
+from simulated import film, given, hand, programs, roots, runs, stand, table  # noqa: E402
 
 SECOND = 1_000_000_000
 TOUCH = next(program for program in programs.PROGRAMS if program.name == "omni_touch")
@@ -90,7 +89,7 @@ class Judge(unittest.TestCase):
                               ({"graphics": True, "frames": 0}, "no frame"), ({"pulses": 0}, "reached the coils"),
                               ({"changes": [{"to": "pen", "s": 1}]}, "the right hand went pen instead"),
                               ({"changes": [{"missed": "it hung"}]}, "it hung"), ({"mode": "layer"}, "no hand pressed"),
-                              ({"tracked": 0.5}, "only 50%"), ({"still_mm": None}, "off by None")):
+                              ({"presses_game": 2}, "2 the game"), ({"tracked": 0.5}, "only 50%"), ({"still_mm": None}, "off by None")):
             self.assertIn(words, "; ".join(table.problems({**good, **change}, runs.PRESSES)))
 
     def test_the_table_has_a_line_for_each_row_and_names_what_is_wrong(self):
@@ -109,6 +108,10 @@ class Records(unittest.TestCase):
         cut = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "cut.jsonl"
         cut.write_text(whole + '{"what": "pose", "t": 1')
         self.assertEqual(given.read_lines(cut), given.read_lines(SAMPLE / "witness.jsonl"))
+
+    def test_the_last_report_of_a_program_is_read_among_other_lines(self):
+        self.assertEqual(given.last_report('{"presses": 1}\nWARNING: x\n{"presses": 2}\n{"pres'), {"presses": 2})
+        self.assertEqual(given.last_report("WARNING: x"), {})
 
     def test_an_aim_has_the_bytes_of_the_protocol(self):
         text = (ROOT / "service/protocol/hand_aim.h").read_text()
@@ -130,6 +133,44 @@ class Scene(unittest.TestCase):
     def test_godot_draws_it_where_the_base_is_aligned(self):
         place = ", ".join(str(x) for x in stand.BASE_STAGE_m)
         self.assertIn(f"const BASE_m := Vector3({place})", (ROOT / "tests/engines/godot/main.gd").read_text())
+
+
+class Film(unittest.TestCase):
+    """scripts/headset --film: the hand, the corner, the times of the pictures."""
+
+    def test_the_hand_presses_slides_and_never_jumps(self):
+        times = [i / 100 for i in range(int(100 * film.SECONDS) + 1)]
+        points = [film.aim_at(t) for t in times]
+        self.assertEqual((points[0], points[-1]), (hand.ABOVE, hand.ABOVE))
+        fastest_m_s = max(100 * math.dist(a, b) for a, b in zip(points, points[1:]))
+        self.assertLess(fastest_m_s, 0.05)
+        depths = [relief.height_m(math.hypot(x, y)) - z for x, y, z in points]
+        self.assertGreater(sum(depth > 0 for depth in depths), len(depths) / 2, "most of the time it touches")
+        self.assertAlmostEqual(max(depths), film.FIRM_m)
+
+    def test_a_corner_that_shows_another_force_is_found(self):
+        truth = types.SimpleNamespace(t=[i * SECOND // 100 for i in range(1000)], force=[min(1.0, i / 400) for i in range(1000)])
+        exact = [(t, force) for t, force in zip(truth.t, truth.force)][100:]
+        late = [(t + SECOND // 10, force) for t, force in exact[:-20]]
+        self.assertEqual(film.as_recorded(exact, truth), 1)
+        self.assertEqual(film.as_recorded(late, truth), 1)
+        self.assertLess(film.as_recorded([(t, force + 0.1) for t, force in exact], truth), 0.2)
+        self.assertEqual(film.as_recorded([(20 * SECOND, 1.0)], truth), 0, "nothing was recorded then")
+
+    def test_a_picture_stays_until_the_next_one(self):
+        lines = film.concat_list([(SECOND, "00000.png"), (3 * SECOND // 2, "00001.png")], "/f").splitlines()
+        self.assertEqual(lines, ["ffconcat version 1.0", "file /f/00000.png", "duration 0.500", "file /f/00001.png", "duration 0.100"])
+
+    def test_the_newest_force_of_a_growing_record_is_read_by_whole_lines(self):
+        folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        record = folder / "truth.csv"
+        record.write_text("t_ns,coil_force_x_N,coil_force_y_N,coil_force_z_N\n1,0,0,0.5\n2,0,0")
+        growing = hand.Growing(record)
+        self.addCleanup(growing.file.close)
+        self.assertEqual(growing.newest(), (0, 0, 0.5))
+        with open(record, "a") as file:
+            file.write(",0.75\n")
+        self.assertEqual(growing.newest(), (0, 0, 0.75))
 
 
 class Commands(unittest.TestCase):

@@ -17,7 +17,7 @@
 namespace omni::sim {
 namespace {
 
-constexpr std::size_t kRowsPerWake = 200;
+constexpr std::size_t kRowsPerWake = 50;  // who reads the record as it grows is 50 ms late
 
 // Calls visit(name, direction, unit, value) for every column in order: the one list of columns.
 template <class Visit>

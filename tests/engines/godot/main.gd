@@ -9,6 +9,7 @@ const BASE_m := Vector3(0.1, 0.74, -0.5)  # scripts/simulated/stand.py
 const HULL_m := 0.0375
 const FRAME_ms := 100
 const LIFTED_m := 0.075  # of the base; where the pen waits
+const UNSEEN := 0.001
 const LOWEST_m := 0.040
 
 var hand: XRController3D
@@ -17,9 +18,9 @@ var arrow: MeshInstance3D
 var camera: Camera3D
 var link := PacketPeerUDP.new()
 var film := ""
-var film_until_ms := 0
 var next_frame_ms := 0
 var pictures := 0
+var shown := ""  # in the corner of the frame before
 var force := Vector3.ZERO  # of the base, in Godot's axes
 var frames := 0
 var presses := 0
@@ -108,8 +109,9 @@ func add_scene() -> void:
 	var desk := BoxMesh.new()
 	desk.size = Vector3(1.2, 0.6, 0.02)
 	base.add_child(part(desk, Color(0.55, 0.42, 0.3), Vector3(0, -HULL_m - 0.01, 0)))
-	arrow = part(cone(0.0005, 0.0018, 1.0), Color(0.9, 0.1, 0.1), Vector3.ZERO)
-	arrow.visible = false
+	arrow = part(cone(0.0012, 0.0012, 1.0), Color(0.9, 0.1, 0.1), Vector3.ZERO)
+	arrow.scale = Vector3.ONE * UNSEEN
+	(arrow.mesh.surface_get_material(0) as StandardMaterial3D).no_depth_test = true  # also within the pen
 	base.add_child(arrow)
 	var sun := DirectionalLight3D.new()
 	sun.rotation = Vector3(-0.9, 0.7, 0)
@@ -123,10 +125,10 @@ func add_scene() -> void:
 	around.environment.ambient_light_energy = 0.5
 	add_child(around)
 	camera = Camera3D.new()
-	camera.fov = 32
+	camera.fov = 22
 	camera.near = 0.01
 	add_child(camera)
-	camera.look_at_from_position(BASE_m + Vector3(0.09, 0.16, 0.2), BASE_m + Vector3(0, 0.058, 0))
+	camera.look_at_from_position(BASE_m + Vector3(0.07, 0.17, 0.2), BASE_m + Vector3(0, 0.064, 0))
 	camera.make_current()
 
 
@@ -135,14 +137,14 @@ func add_corner() -> void:
 	add_child(layer)
 	label = Label.new()
 	label.position = Vector2(14, 10)
-	label.add_theme_font_size_override("font_size", 26)
+	label.add_theme_font_size_override("font_size", 34)
 	label.add_theme_color_override("font_color", Color(0.1, 0.1, 0.12))
 	layer.add_child(label)
 	var note := Label.new()
-	note.text = "simulated: headset by Monado, base, pen and arm by the digital twin"
-	note.position = Vector2(14, 370)
-	note.add_theme_font_size_override("font_size", 14)
-	note.add_theme_color_override("font_color", Color(0.25, 0.25, 0.28))
+	note.text = "Godot %s on Monado. Simulated: headset, base, pen, arm" % Engine.get_version_info()["string"].get_slice(".stable", 0).get_slice("-", 0)
+	note.position = Vector2(14, 366)
+	note.add_theme_font_size_override("font_size", 16)
+	note.add_theme_color_override("font_color", Color.WHITE)
 	layer.add_child(note)
 
 
@@ -150,7 +152,6 @@ func _process(_delta: float) -> void:
 	frames += 1
 	read_hand()
 	exchange()
-	show_force()
 	var now_ms := Time.get_ticks_msec()
 	if now_ms >= next_line_ms:
 		next_line_ms = now_ms + 1000
@@ -158,6 +159,8 @@ func _process(_delta: float) -> void:
 	if film != "" and now_ms >= next_frame_ms:
 		next_frame_ms = now_ms + FRAME_ms
 		save_picture()
+	show_force()
+	shown = label.text
 
 
 # A game's way to a button: the action that the default map binds to triggers, and the one for hands that have only "select".
@@ -178,11 +181,11 @@ func report() -> void:
 		"pulses": pulses, "position_m": [at.x, at.y, at.z]}))
 
 
-# Both ways with scripts/headset, each packet a text: the aim out, the force in. Numbers of the base, in its own axes (z up).
+# Both ways with scripts/headset, each packet a text: the aim out, the force in, in the base's own axes (z up).
 func exchange() -> void:
 	if not link.is_socket_connected():
 		return
-	link.put_packet(("%f %f %f" % [aim.x, -aim.z, aim.y]).to_utf8_buffer())
+	link.put_packet(("aim %f %f %f" % [aim.x, -aim.z, aim.y]).to_utf8_buffer())
 	while link.get_available_packet_count() > 0:
 		var numbers := link.get_packet().get_string_from_utf8().split_floats(" ")
 		if numbers.size() == 3:
@@ -203,23 +206,24 @@ func _input(event: InputEvent) -> void:
 	aim = aim.clamp(Vector3(-0.04, LOWEST_m, -0.04), Vector3(0.04, 0.11, 0.04))
 
 
+# Never invisible: what is drawn for the first time has to be compiled, which takes seconds in software.
 func show_force() -> void:
 	var newtons := force.length()
 	label.text = "%.2f N" % newtons
-	arrow.visible = newtons > 0.05 and hand.get_has_tracking_data()
-	if not arrow.visible:
+	if newtons < 0.05 or not hand.get_has_tracking_data():
+		arrow.transform = Transform3D(Basis().scaled(Vector3.ONE * UNSEEN), Vector3.ZERO)
 		return
-	var tip := hand.global_position - BASE_m
 	var length := 0.03 * newtons
 	var up := force / newtons
 	var across := up.cross(Vector3.RIGHT if absf(up.x) < 0.9 else Vector3.UP).normalized()
-	arrow.transform = Transform3D(Basis(across, up * length, across.cross(up)), tip + 0.5 * length * up)
+	arrow.transform = Transform3D(Basis(across, up * length, across.cross(up)), hand.global_position - BASE_m + 0.5 * length * up)
 
 
+# The picture is of the frame before, and so is what its corner showed.
 func save_picture() -> void:
 	var picture := get_viewport().get_texture().get_image()
-	if picture == null:
+	if picture == null or shown == "":
 		return
-	# The name is the time, by the clock of the twin's record.
-	picture.save_png("%s/%05d-%d.png" % [film, pictures, Time.get_ticks_usec()])
+	link.put_packet(("picture %d %s" % [pictures, shown]).to_utf8_buffer())
+	picture.save_png("%s/%05d.png" % [film, pictures])
 	pictures += 1
