@@ -1,4 +1,5 @@
 """The film of scripts/headset: what the hand does, and how pictures become a file."""
+import bisect
 import math
 import pathlib
 import subprocess
@@ -9,6 +10,7 @@ from simulated import hand
 SECONDS = 20.0
 RATE_Hz = 10
 FEWEST_Hz = 5  # pictures, of a machine that keeps up
+REHEARSED_s, STEADY_s = 8.5, 5
 LARGEST_bytes = 3_000_000
 SHOWN_LATE_ns = 500_000_000  # up to which a number in the corner may be older than its picture, one frame of a slow machine included
 WITHIN_N = 0.03
@@ -43,7 +45,8 @@ def as_recorded(pictures, truth):
     """The share of pictures whose corner shows a force that the twin's record has within the time before."""
     good = 0
     for t, newtons in pictures:
-        recent = [force for time, force in zip(truth.t, truth.force) if t - SHOWN_LATE_ns <= time <= t + SHOWN_LATE_ns // 5]
+        begin = bisect.bisect_left(truth.t, t - SHOWN_LATE_ns)
+        recent = truth.force[begin:bisect.bisect_right(truth.t, t + SHOWN_LATE_ns // 5)]
         good += bool(recent) and min(recent) - WITHIN_N <= newtons <= max(recent) + WITHIN_N
     return good / len(pictures)
 

@@ -93,10 +93,10 @@ class Play:
             stand.wait_until(lambda: not given.is_pressed(self.lines(), self.program.select), PRESS_PATIENCE_s)
             time.sleep(0.5)
 
-    def warm(self):
+    def warm(self, fewest=WARM_FRAMES, during_s=3):
         """Waits until frames come regularly: the first ones take seconds, while a driver in software compiles shaders."""
-        recent = lambda: [line for line in given.of(self.lines(), "frame") if line["t"] > now_ns() - 3_000_000_000]
-        return not self.program.graphics or self.wait(lambda: len(recent()) >= WARM_FRAMES, "frames did not come regularly")
+        recent = lambda: [line for line in given.of(self.lines(), "frame") if line["t"] > now_ns() - 1e9 * during_s]
+        return not self.program.graphics or self.wait(lambda: len(recent()) >= fewest, "frames did not come regularly")
 
     def stop_service(self):
         self.held = False

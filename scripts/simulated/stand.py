@@ -82,8 +82,8 @@ class Stand:
         return open(self.folder / f"{name}.txt", "wb")
 
     def start(self, name, argv, env=None, **popen):
-        """A program in the root."""
-        own = {"HOME": str(self.run), "XDG_RUNTIME_DIR": str(self.run), **(env or {})}
+        """A program in the root, whose /root keeps compiled shaders."""
+        own = {"HOME": "/root", "XDG_RUNTIME_DIR": str(self.run), **(env or {})}
         with self.log(name) as log:
             process = self.root.start(argv, own, self.seen(), stdout=log, stderr=subprocess.STDOUT, **popen)
         self.processes.append(process)
