@@ -1,4 +1,5 @@
 """Builds what scripts/engines and scripts/headset run."""
+import os
 import subprocess
 
 from simulated import stand
@@ -7,7 +8,9 @@ TARGETS = ["XrApiLayer_omni", "XrApiLayer_omni_witness", "omnid", "omni-twin", "
 
 
 def build():
-    subprocess.run([stand.ROOT / "scripts/setup", "demo"], check=True)
-    subprocess.run([stand.ROOT / "scripts/configure", "release", "tests"], check=True)
-    subprocess.run(["cmake", "--build", "--preset", "release", "--target", *TARGETS], cwd=stand.ROOT, check=True)
+    """As the person who called sudo, whose build tree it is."""
+    person = ["sudo", "-u", os.environ["SUDO_USER"]] if os.environ.get("SUDO_USER") else []
+    for words in (["scripts/setup", "demo"], ["scripts/configure", "release", "tests"],
+                  ["cmake", "--build", "--preset", "release", "--target", *TARGETS]):
+        subprocess.run([*person, *words], cwd=stand.ROOT, check=True)
     return stand.ROOT / "build/release"

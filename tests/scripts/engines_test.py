@@ -148,6 +148,17 @@ class Film(unittest.TestCase):
         self.assertGreater(sum(depth > 0 for depth in depths), len(depths) / 2, "most of the time it touches")
         self.assertAlmostEqual(max(depths), film.FIRM_m)
 
+    def test_the_one_in_the_documents_has_its_length_and_a_size_that_loads(self):
+        data = (ROOT / "docs/images/headset.webp").read_bytes()
+        at, shown_ms = 12, 0
+        while at < len(data):
+            size = int.from_bytes(data[at + 4:at + 8], "little")
+            if data[at:at + 4] == b"ANMF":
+                shown_ms += int.from_bytes(data[at + 20:at + 23], "little")
+            at += 8 + size + size % 2
+        self.assertAlmostEqual(shown_ms / 1000, film.SECONDS, delta=0.5)
+        self.assertLessEqual(len(data), film.LARGEST_bytes)
+
     def test_a_corner_that_shows_another_force_is_found(self):
         truth = types.SimpleNamespace(t=[i * SECOND // 100 for i in range(1000)], force=[min(1.0, i / 400) for i in range(1000)])
         exact = [(t, force) for t, force in zip(truth.t, truth.force)][100:]
