@@ -12,11 +12,11 @@ constexpr const char* kBegin = R"(# How programs call OpenXR, and what is tested
 
 Generated from tests/layer/patterns by `layer_patterns_page`; a test compares the two.
 
-A *pattern* is a file in [tests/layer/patterns/data](../../tests/layer/patterns/data). It says which actions a program makes, which profiles
-it suggests and in which order, when it makes its spaces, what it reads each frame, and what it does when a call fails. These are facts from
-the program's public sources, or from its documentation where there are none; no code was taken. A player makes those calls, over the layer,
-the test runtime and a service that the test plays ([test-runtime.md](test-runtime.md)). It draws nothing: that a program works is known only
-once it was run ([headset.md](headset.md), section 8).
+A *pattern* is a file in [tests/layer/patterns/data](../../tests/layer/patterns/data). It says which actions a program makes, which
+profiles it suggests and in which order, when it makes its spaces, what it reads each frame, and what it does when a call fails. These are
+facts from the program's public sources, or from its documentation where there are none; no code was taken. A player makes those calls, over
+the layer, the test runtime and a service that the test plays ([test-runtime.md](test-runtime.md)). It draws nothing: that a program works
+is known only once it was run ([headset.md](headset.md), section 8).
 
 ## Programs
 
@@ -46,15 +46,19 @@ constexpr const char* kScenarios = R"(
 constexpr const char* kTable = R"(
 ## What is tested
 
-Each cell is a test, `layer.Of/Programs.ShowsWhatHoldsEachHand/PROGRAM_SCENARIO`, for the pen in either hand. It says what is judged after
-every step, for both hands: `p` the pose (whose, within 1 mm, TRACKED or not), `r` press and release, `h` the vibration, `n` the name or
-current profile, `m` the model. A dash: the program does not ask. The truth is what the test has fed into the service and the runtime. In between, no
-frame may show a hand where neither pen nor controller is.
+Each cell is a test, `layer.Of/Programs.ShowsWhatHoldsEachHand/PROGRAM_SCENARIO`: once with the pen in the right hand beside Index
+controllers, where each change of a hand changes its profile, and once in the left hand beside Touch controllers, where none does, as the
+pen is a Touch controller to most programs. It says what is judged after every step, for both hands: `p` the pose (whose it is, its place
+within 1 mm, TRACKED or not), `r` press and release, `h` the haptic, `n` the name or current profile, `m` the model. A dash: the program
+does not ask. The truth is what the test has fed into the service and the runtime. In between, no frame may show a hand where neither pen
+nor controller is.
 
 | program |)";
 
 constexpr const char* kEnd = R"(
-Five further files, `shape_*.json`, are shapes of calls that no program of the list has; they go through the same scenarios.
+A program with a pen of its own (LÖVR) shows the pen in a hand if the Touch controller is preferred (`profile` in [apps.md](apps.md)), in
+all scenarios too. Five further files, `shape_*.json`, are shapes of calls that no program of the list has; they go through the same
+scenarios.
 
 To add a program, write its file (the keys: tests/layer/patterns/pattern.h), then run
 `build/release/bin/layer_patterns_page > docs/howto/engines.md`.

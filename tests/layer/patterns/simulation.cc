@@ -1,6 +1,7 @@
 #include "tests/layer/patterns/simulation.h"
 
-#include <string>
+#include <cstdio>
+#include <utility>
 
 #include "tests/layer/patterns/pattern.h"
 
@@ -18,7 +19,10 @@ std::string UserPath(int hand) { return std::string("/user/hand/") + kSides[hand
 
 }  // namespace
 
-Simulation::Simulation(const char* controllers) : controllers_(controllers) { omni_test_reset(); }
+Simulation::Simulation(const char* controllers, std::string preferred)
+    : controllers_(controllers), preferred_(std::move(preferred)) {
+  omni_test_reset();
+}
 
 void Simulation::Enter(const World& world) {
   if (world.recentred && !world_.recentred) omni_test_recenter(kRecentred, 0);
@@ -48,6 +52,7 @@ void Simulation::EnterService(const World& world) {
   if (hand_ != world.hand) {
     protocol::AppSettings settings;
     settings.hand = world.hand == kLeftHand ? protocol::HandSetting::kLeft : protocol::HandSetting::kRight;
+    std::snprintf(settings.profile, sizeof(settings.profile), "%s", preferred_.c_str());
     service_->Wish(settings);
     hand_ = world.hand;
   }
@@ -86,10 +91,11 @@ void Simulation::PressPen(bool pressed) {
   service_->Set(protocol::InputIndex::kSelect, pressed ? 1.0f : 0.0f);
 }
 
-// Only the one that its profile has takes effect.
+// Those that its profile has take effect.
 void Simulation::PressController(int hand, bool pressed) const {
   omni_test_set_float((UserPath(hand) + "/input/trigger/value").c_str(), pressed ? 1.0f : 0.0f);
-  omni_test_set_bool((UserPath(hand) + "/input/select/click").c_str(), pressed);
+  for (const char* click : {"/input/trigger/click", "/input/select/click"})
+    omni_test_set_bool((UserPath(hand) + click).c_str(), pressed);
 }
 
 std::size_t Simulation::pen_vibrations() const { return past_ + (service_ ? service_->heard().haptics.size() : 0); }

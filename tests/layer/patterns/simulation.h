@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <string>
 
 #include "tests/layer/patterns/scenario.h"
 #include "tests/layer/support/app.h"
@@ -13,8 +14,8 @@ enum class Who { kNobody, kPen, kController };
 
 class Simulation {
  public:
-  // With controllers of this profile.
-  explicit Simulation(const char* controllers);
+  // With controllers of this profile; the service prefers `preferred` for the pen, if it is not empty.
+  explicit Simulation(const char* controllers, std::string preferred = {});
 
   void Enter(const World& world);
   const World& world() const { return world_; }
@@ -37,6 +38,7 @@ class Simulation {
   void EnterService(const World& world);
 
   const char* const controllers_;
+  const std::string preferred_;
   World world_;
   int hand_ = -1;         // that the service has named
   std::size_t past_ = 0;  // vibrations of the services before this one

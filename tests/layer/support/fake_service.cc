@@ -88,7 +88,7 @@ void FakeService::OnClient(const ipc::ClientInfo& client) {
   const std::lock_guard lock(mutex_);
   heard_.applications.push_back(client.application);
   client_ = client.id;
-  settings_due_ = true;
+  settings_due_ = !server_->Send(client_, settings_);  // before any answer, as omnid does
 }
 
 void FakeService::Wish(const protocol::AppSettings& settings) {
