@@ -36,6 +36,10 @@ class StateReader {
   // before the oldest kept: both are the oldest. False as for Newest.
   bool Around(std::int64_t t_ns, protocol::ToolSample& before, protocol::ToolSample& after) const noexcept;
 
+  // The same of where a moving base is. False also if no base has moved yet.
+  bool Newest(protocol::BaseSample& sample) const noexcept;
+  bool Around(std::int64_t t_ns, protocol::BaseSample& before, protocol::BaseSample& after) const noexcept;
+
   // Publications so far; the newest is published() - 1.
   std::uint64_t published() const noexcept;
 
@@ -58,11 +62,6 @@ class StateReader {
   // A block of its own. False: torn kMaxTornReads times, out of range, or never written.
   template <class Block, class Snapshot>
   static bool ReadBlock(const Block& block, Snapshot& snapshot) noexcept;
-  // One attempt each. False: torn, overwritten, or out of range.
-  bool ReadSlot(std::uint64_t index, protocol::ToolSample& sample) const noexcept;
-  bool TryAround(std::int64_t t_ns, protocol::ToolSample& before, protocol::ToolSample& after) const noexcept;
-  // Time of publication `index`; false: overwritten.
-  bool ReadTime(std::uint64_t index, std::int64_t& t_ns) const noexcept;
 
   base::Mapping mapping_;
   const protocol::StateMemory* memory_;

@@ -37,6 +37,13 @@ void StatePublisher::PublishTelemetry(const protocol::TelemetrySample& telemetry
                       protocol::Clamped(telemetry));
 }
 
+void StatePublisher::PublishBase(const protocol::BaseSample& sample) noexcept {
+  protocol::StoreCell(memory_->bases[bases_published_ % protocol::kBaseRingCapacity],
+                      protocol::SequenceOf(bases_published_), sample);
+  ++bases_published_;
+  memory_->header.bases_published.store(bases_published_, std::memory_order_release);
+}
+
 void StatePublisher::PublishContacts(const protocol::ContactSnapshot& contacts) noexcept {
   const bool as_before = contacts.count == 0 && contact_count_ == 0 && contact_generation_ == contacts.scene_generation;
   if (as_before && contacts_published_ > 0) return;

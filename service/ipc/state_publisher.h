@@ -1,5 +1,5 @@
-// Writer of the state memory. Created by the control thread, written by the tick thread: plain atomic stores,
-// no system call, no allocation, no lock.
+// Writer of the state memory. Created by the control thread, written by the tick thread (base samples: by the control
+// thread): plain atomic stores, no system call, no allocation, no lock.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +34,9 @@ class StatePublisher {
   // as none.
   void PublishVehicle(const protocol::VehicleSnapshot& vehicle) noexcept;
 
+  // Control thread only: where a base that moves is. In range, and not older than the one before.
+  void PublishBase(const protocol::BaseSample& sample) noexcept;
+
   int fd() const { return memory_file_.fd.get(); }                 // to be passed to clients; stays ours
   std::uint64_t published() const noexcept { return published_; }  // tick thread only
 
@@ -49,6 +52,7 @@ class StatePublisher {
   std::uint64_t contact_generation_ = 0;
   std::uint64_t vehicles_published_ = 0;
   bool vehicle_on_ = false;
+  std::uint64_t bases_published_ = 0;  // control thread only
 };
 
 }  // namespace omni::ipc

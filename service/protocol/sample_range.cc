@@ -16,6 +16,10 @@ bool ValuesInRange(const std::array<double, N>& values) noexcept {
   return true;
 }
 
+bool IsTurn(const std::array<double, 4>& q) noexcept {
+  return std::abs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1) <= kUnitTolerance;
+}
+
 // A NaN is the largest value: an unknown gap or sigma is a large one.
 double Clamped(double value) noexcept {
   return std::isnan(value) ? kLargestValue : std::clamp(value, -kLargestValue, kLargestValue);
@@ -53,8 +57,14 @@ bool InRange(const ToolSample& sample) noexcept {
       ValuesInRange(sample.angular_velocity_base_rad_s) && ValuesInRange(sample.force_base_N) && ValuesInRange(scalars);
   if (!finite) return false;
   if ((sample.flags & kToolPoseValid) == 0) return true;
-  const double norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-  return std::abs(norm2 - 1) <= kUnitTolerance;
+  return IsTurn(q);
+}
+
+bool InRange(const BaseSample& sample) noexcept {
+  const auto& q = sample.orientation_space_wxyz;
+  return TimeInRange(sample.t_ns) && (sample.flags & ~kKnownBaseFlags) == 0 && ValuesInRange(sample.position_space_m) &&
+         ValuesInRange(sample.linear_velocity_space_m_s) && ValuesInRange(sample.angular_velocity_space_rad_s) &&
+         IsTurn(q);
 }
 
 bool InRange(const InputSnapshot& inputs) noexcept {

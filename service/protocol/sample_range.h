@@ -13,7 +13,10 @@ inline constexpr std::uint32_t kKnownToolFlags =
     kToolPoseValid | kToolTracked | kToolContact | kToolJoystick | kToolAligned | kToolPushed | kToolSaturated |
     kToolWarm | kToolOutOfReach | kToolDeviceFault | kToolStiffnessLimited | kToolHolding | kToolSoftened | kToolWaits;
 
+inline constexpr std::uint32_t kKnownBaseFlags = kBaseSeen | kBaseLeapt;
+
 bool InRange(const ToolSample& sample) noexcept;
+bool InRange(const BaseSample& sample) noexcept;
 bool InRange(const InputSnapshot& inputs) noexcept;
 bool InRange(const ContactSnapshot& contacts) noexcept;
 bool InRange(const VehicleSnapshot& vehicle) noexcept;

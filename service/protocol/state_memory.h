@@ -1,11 +1,13 @@
 // The state memory: a memfd written by omnid's tick thread, mapped read-only by clients.
 //
 //   [StateHeader][InputBlock][ContactBlock][VehicleBlock][RingSlot x kRingCapacity][TelemetrySlot x kRingCapacity]
+//   [BaseSlot x kBaseRingCapacity]
 //
 // Every shared word is a lock-free std::atomic<uint64_t>. A slot is a seqlock: `sequence` is odd while the writer
 // is inside, and 2 * (publication index + 1) when slot `index % kRingCapacity` holds publication `index`.
 // Readers copy the words (acquire loads), check the sequence again and give up after 3 torn reads. Telemetry of a
-// publication is in the slot of the same index, written before it counts as published.
+// publication is in the slot of the same index, written before it counts as published. Base slots have a count of their
+// own, and are written by the control thread.
 #pragma once
 
 #include <array>
@@ -18,8 +20,9 @@
 namespace omni::protocol {
 
 inline constexpr std::uint32_t kStateMagic = 0x54534D4F;  // "OMST"
-inline constexpr std::uint32_t kStateVersion = 4;         // 2: contacts; 3: vehicle; 4: telemetry
+inline constexpr std::uint32_t kStateVersion = 5;         // 2: contacts; 3: vehicle; 4: telemetry; 5: base
 inline constexpr std::uint32_t kRingCapacity = 512;       // >= 250 ms at 1 kHz
+inline constexpr std::uint32_t kBaseRingCapacity = 512;   // the same, for a robot that reports each millisecond
 inline constexpr int kMaxTornReads = 3;
 
 enum ToolFlag : std::uint32_t {
@@ -143,6 +146,22 @@ struct TelemetrySample {
 };
 static_assert(std::is_trivially_copyable_v<TelemetrySample> && sizeof(TelemetrySample) % 8 == 0);
 
+// Where a base that moves is, in the reference space L of a headset (messages BasePose, BaseMotion).
+enum BaseFlag : std::uint32_t {
+  kBaseSeen = 1u << 0,  // its source sees it; else this is its last known pose
+  kBaseLeapt = 1u << 1  // no base moves so fast: nothing is known between the sample before and this one
+};
+struct BaseSample {
+  std::int64_t t_ns = 0;  // CLOCK_MONOTONIC when it is there
+  std::uint32_t flags = 0;
+  std::int32_t space = 2;                    // XrReferenceSpaceType of L
+  std::array<double, 3> position_space_m{};  // of B's origin
+  std::array<double, 4> orientation_space_wxyz{1, 0, 0, 0};
+  std::array<double, 3> linear_velocity_space_m_s{};  // of B's origin
+  std::array<double, 3> angular_velocity_space_rad_s{};
+};
+static_assert(std::is_trivially_copyable_v<BaseSample> && sizeof(BaseSample) % 8 == 0);
+
 using Word = std::atomic<std::uint64_t>;
 static_assert(Word::is_always_lock_free && sizeof(Word) == 8);
 
@@ -158,6 +177,7 @@ using InputBlock = SeqlockCell<InputSnapshot>;
 using ContactBlock = SeqlockCell<ContactSnapshot>;
 using VehicleBlock = SeqlockCell<VehicleSnapshot>;
 using TelemetrySlot = SeqlockCell<TelemetrySample>;
+using BaseSlot = SeqlockCell<BaseSample>;
 
 struct StateHeader {
   std::uint32_t magic = kStateMagic;
@@ -169,9 +189,10 @@ struct StateHeader {
   std::uint32_t contact_bytes = sizeof(ContactBlock);
   std::uint32_t vehicle_bytes = sizeof(VehicleBlock);
   std::uint32_t telemetry_bytes = sizeof(TelemetrySlot);
-  std::uint32_t reserved = 0;
+  std::uint32_t base_bytes = sizeof(BaseSlot);
   std::uint64_t service_instance = 0;
-  Word published{0};  // number of samples published so far; newest index = published - 1
+  Word published{0};        // number of samples published so far; newest index = published - 1
+  Word bases_published{0};  // the same of base samples
 };
 
 struct StateMemory {
@@ -181,6 +202,7 @@ struct StateMemory {
   alignas(64) VehicleBlock vehicle;
   alignas(64) std::array<RingSlot, kRingCapacity> ring;
   alignas(64) std::array<TelemetrySlot, kRingCapacity> telemetry;
+  alignas(64) std::array<BaseSlot, kBaseRingCapacity> bases;
 };
 
 // A client's own writable page. Every intercepted call is a sign of life, without a system call.

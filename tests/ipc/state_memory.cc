@@ -250,6 +250,7 @@ TEST(StateReader, RejectsOtherLayouts) {
   EXPECT_NE(refused([](protocol::StateHeader& h) { h.ring_capacity = 1 << 20; }).find("layout"), std::string::npos);
   EXPECT_NE(refused([](protocol::StateHeader& h) { h.slot_bytes = 8; }).find("layout"), std::string::npos);
   EXPECT_NE(refused([](protocol::StateHeader& h) { h.vehicle_bytes = 8; }).find("layout"), std::string::npos);
+  EXPECT_NE(refused([](protocol::StateHeader& h) { h.base_bytes = 8; }).find("layout"), std::string::npos);
   EXPECT_NE(refused([](protocol::StateHeader& h) { h.total_bytes = 1; }).find("layout"), std::string::npos);
 }
 

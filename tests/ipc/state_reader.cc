@@ -116,6 +116,35 @@ TEST(StateReaderProperty, AroundAgreesWithBruteForce) {
   }
 }
 
+// Poses of a base have a ring and a count of their own.
+TEST(StateReaderProperty, BasesAroundAgreesWithBruteForce) {
+  std::mt19937_64 random(12);
+  const auto publisher = std::move(StatePublisher::Create(1).value());
+  const auto reader = StateReader::Map(base::UniqueFd(::dup(publisher->fd())), sizeof(StateMemory)).value();
+  protocol::BaseSample before, after;
+  publisher->Publish(SampleOf(1), {});
+  EXPECT_FALSE(reader->Newest(after) || reader->Around(1, before, after)) << "no base has moved";
+  std::deque<std::int64_t> kept;
+  std::int64_t t_ns = 1000;
+  for (int i = 0; i < 3000; ++i) {
+    t_ns += static_cast<std::int64_t>(random() % 4 == 0 ? 0 : random() % 2000);
+    protocol::BaseSample sample{.t_ns = t_ns, .position_space_m = {1e-3 * static_cast<double>(t_ns), 0, 0}};
+    publisher->PublishBase(sample);
+    kept.push_back(t_ns);
+    if (kept.size() > protocol::kBaseRingCapacity - 1) kept.pop_front();
+    ASSERT_TRUE(reader->Newest(after));
+    ASSERT_EQ(after.t_ns, t_ns);
+    const std::int64_t asked =
+        kept.front() - 200 +
+        static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(kept.back() - kept.front() + 400));
+    const auto next = std::upper_bound(kept.begin(), kept.end(), asked);
+    ASSERT_TRUE(reader->Around(asked, before, after));
+    ASSERT_EQ(after.t_ns, next == kept.end() ? kept.back() : *next);
+    ASSERT_EQ(before.t_ns, next == kept.begin() ? kept.front() : next == kept.end() ? kept.back() : *(next - 1));
+    ASSERT_EQ(before.position_space_m[0], 1e-3 * static_cast<double>(before.t_ns));
+  }
+}
+
 TEST(StateReaderProperty, NeverMixesSamplesUnderAFastWriter) {
   const auto publisher = std::move(StatePublisher::Create(1).value());
   const auto reader = StateReader::Map(base::UniqueFd(::dup(publisher->fd())), sizeof(StateMemory)).value();

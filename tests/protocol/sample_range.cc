@@ -45,6 +45,21 @@ TEST(SampleRange, AcceptsDefaultsAndOrdinarySamples) {
   EXPECT_TRUE(InRange(InputSnapshot{}));
 }
 
+TEST(SampleRange, PoseOfABaseIsRefusedIfAnyNumberIsOutOfRange) {
+  const std::function<void(BaseSample&)> faults[] = {[](BaseSample& s) { s.t_ns = -1; },
+                                                     [](BaseSample& s) { s.flags = 1u << 2; },
+                                                     [](BaseSample& s) { s.position_space_m[1] = kNan; },
+                                                     [](BaseSample& s) { s.orientation_space_wxyz[0] = 0; },
+                                                     [](BaseSample& s) { s.linear_velocity_space_m_s[2] = kInfinite; },
+                                                     [](BaseSample& s) { s.angular_velocity_space_rad_s[0] = kNan; }};
+  EXPECT_TRUE(InRange(BaseSample{.t_ns = 1, .flags = kBaseSeen | kBaseLeapt}));
+  for (const auto& spoil : faults) {
+    BaseSample sample;
+    spoil(sample);
+    EXPECT_FALSE(InRange(sample));
+  }
+}
+
 TEST(SampleRange, SampleInRangeIsUnchanged) {
   const ToolSample sample = GoodSample();
   const ToolSample clamped = Clamped(sample);
