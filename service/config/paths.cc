@@ -53,6 +53,8 @@ std::string UserCalibrationFile() { return InUserFolder("calibration.toml"); }
 
 std::string UserAlignmentFile() { return InUserFolder("alignments.toml"); }
 
+std::string UserFollowFile() { return InUserFolder("follow.toml"); }
+
 std::string UserMagnetsFile() { return InUserFolder("magnets.toml"); }
 
 std::string UserInputsFile() { return InUserFolder("inputs.toml"); }

@@ -27,6 +27,9 @@ std::string UserCalibrationFile();
 // Where bases stand in headsets' spaces: $XDG_CONFIG_HOME/omni/alignments.toml, else below ~/.config; empty: no home.
 std::string UserAlignmentFile();
 
+// What the base follows: $XDG_CONFIG_HOME/omni/follow.toml, else below ~/.config; empty: no home.
+std::string UserFollowFile();
+
 // The magnets of pens that omnid has learnt: $XDG_CONFIG_HOME/omni/magnets.toml, else below ~/.config; empty: no home.
 std::string UserMagnetsFile();
 
