@@ -12,6 +12,7 @@
 #include "service/base/threads/realtime_threads.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/files/device_file.h"
+#include "service/config/files/follow_file.h"
 #include "service/config/inputs/input_settings.h"
 #include "service/config/paths.h"
 #include "service/daemon/clients/publish.h"
@@ -96,6 +97,8 @@ int RunChecked(RunOptions options, std::optional<ipc::InheritedSocket> inherited
   config::AppTable apps = config::LoadAppTable(config::AppFolders(), config::ScenesFolder());
   config::InputPlan inputs = config::PlanInputs(config::UserInputsFile(), apps);
   const std::string hand = options.hand == "auto" ? inputs.hand : options.hand;
+  const auto follow = config::LoadFollowFile(config::UserFollowFile());
+  if (!follow.ok()) spdlog::warn("{}", follow.error());
   Service service(
       {.version = OMNI_VERSION,
        .instance = instance,
@@ -106,7 +109,9 @@ int RunChecked(RunOptions options, std::optional<ipc::InheritedSocket> inherited
        .hand = hand,
        .alignment_path = options.alignment_path.empty() ? config::UserAlignmentFile() : options.alignment_path,
        .stop_path = options.stop_path.empty() ? config::UserStopFile() : options.stop_path,
-       .on_aligned = [&sink](bool aligned) { sink.SetAligned(aligned); }});
+       .base_follows = !follow.ok() || follow->has_value(),
+       .on_aligned = [&sink](bool aligned) { sink.SetAligned(aligned); },
+       .on_base = [&publisher](const protocol::BaseSample& sample) { (*publisher)->PublishBase(sample); }});
   auto server = ipc::Server::Open({.socket_path = options.socket_path,
                                    .inherited_fd = inherited ? inherited->fd.Release() : -1,
                                    .service_instance = instance,

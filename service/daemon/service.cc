@@ -52,6 +52,7 @@ Service::Service(ServiceOptions options)
         Send(id, reply);
       }),
       base_poses_(options_.alignment_path, base_pose_writer_.write()),
+      followed_base_(options_.base_follows),
       stop_(options_.stop_path),
       busy_ns_(start_ns_),
       calibration_(options_.calibration),
@@ -63,6 +64,7 @@ Service::Service(ServiceOptions options)
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
   if (!base_poses_.problem().empty()) spdlog::warn("{}", base_poses_.problem());
   if (stop_.on()) spdlog::warn("{}", stop_.Problem());
+  base_poses_.SetFollowed(followed_base_.headset());
   if (options_.inputs.devices.empty()) return;
   keys_ =
       std::make_unique<KeyThread>(KeyThreadOptions{.devices = options_.inputs.devices, .codes = options_.inputs.slots},
@@ -103,6 +105,7 @@ void Service::OnGone(ipc::ClientId id) {
   surfaces_.Remove(id);
   force_.Remove(id);
   base_poses_.Remove(id, static_cast<std::int64_t>(std::time(nullptr)));
+  PublishBase(followed_base_.Remove(id, base::MonotonicNow_ns()));
   if (application) WriteCommands(base::MonotonicNow_ns());
 }
 
@@ -214,6 +217,13 @@ struct Service::RequestHandler {
         id, command.number, service.base_poses_.Execute(command, static_cast<std::int64_t>(std::time(nullptr))));
     service.SendBasePoses();
   }
+  void operator()(const protocol::BaseMotion& motion) const {
+    const FollowedBase::Taken taken = service.followed_base_.Take(id, motion, base::MonotonicNow_ns());
+    if (taken.problem != nullptr) service.Problem(id, 1, taken.problem);
+    service.PublishBase(taken.sample);
+    service.base_poses_.SetFollowed(service.followed_base_.headset());
+    service.SendBasePoses();
+  }
 };
 
 void Service::OnRequest(ipc::ClientId id, const protocol::Request& request, base::UniqueFd file) {
@@ -225,6 +235,10 @@ void Service::SendBasePoses() {
     return server_ != nullptr && server_->Send(id, base_pose);
   });
   if (options_.on_aligned) options_.on_aligned(Aligned());
+}
+
+void Service::PublishBase(const std::optional<protocol::BaseSample>& sample) {
+  if (sample && options_.on_base) options_.on_base(*sample);
 }
 
 // Of the owner; without one, of any client.

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "service/daemon/clients/base_pose_writer.h"
 #include "service/daemon/clients/base_poses.h"
 #include "service/daemon/clients/emergency_stop.h"
+#include "service/daemon/clients/followed_base.h"
 #include "service/daemon/clients/force_clients.h"
 #include "service/daemon/clients/owner.h"
 #include "service/daemon/clients/vibration.h"
@@ -44,7 +46,9 @@ struct ServiceOptions {
   std::string hand = "auto";               // "left", "right": of applications whose file names none
   std::string alignment_path;              // where bases stand in headsets' spaces; empty: nothing is stored
   std::string stop_path;                   // latch of an emergency stop; empty: none is kept
+  bool base_follows = false;               // also before a tool reports where the base is
   std::function<void(bool)> on_aligned{};  // control thread: whether the owner's headset has a measured placement
+  std::function<void(const protocol::BaseSample&)> on_base{};  // control thread: where a base that moves is
 };
 
 class Service : public ipc::ServerHandler {
@@ -110,6 +114,7 @@ class Service : public ipc::ServerHandler {
   void FeelField();
   void SendForceProperties();
   void SendBasePoses();
+  void PublishBase(const std::optional<protocol::BaseSample>& sample);
   bool Aligned() const;
   bool ReadSnapshot(loop::SurfaceSnapshot& snapshot);  // on the surface thread
   protocol::AppSettings SettingsFor(const config::AppEntry* app) const;
@@ -136,6 +141,7 @@ class Service : public ipc::ServerHandler {
   ForceClients force_;
   BasePoseWriter base_pose_writer_;
   BasePoses base_poses_;
+  FollowedBase followed_base_;
   std::int64_t felt_second_ns_ = 0;  // of the field that it knows
   EmergencyStop stop_;
   std::atomic<std::int64_t> busy_ns_;  // newest period with a client, or with forces stopped

@@ -1,4 +1,4 @@
-// Messages 40-44: where the base stands in a reference space of an application's runtime. docs/protocol/ipc.md
+// Messages 40-45: where the base stands in a reference space of an application's runtime. docs/protocol/ipc.md
 // X_LB: pose of the base B (z up) in the reference space L (OpenXR: metres, y up). Quaternions w, x, y, z.
 #pragma once
 
@@ -19,6 +19,9 @@ inline constexpr double kMostRecentringTilt_rad = 0.175;
 // Reports of one and the same change of a reference space, by several applications, differ by less; a person does not
 // recentre twice within it.
 inline constexpr std::int64_t kSameChange_ns = 150'000'000;
+// Of a base that moves: far above what is plausible (daemon/clients/followed_base.h).
+inline constexpr double kFastestWireBase_m_s = 100;
+inline constexpr double kFastestWireTurn_rad_s = 100;
 
 // XrReferenceSpaceType, in order of preference: those that recentring moves least come first.
 inline constexpr std::int32_t kSpaceStage = 3;
@@ -67,6 +70,8 @@ struct BasePose {
   std::int64_t measured_unix_s = 0;
   std::int64_t changes_until_ns = 0;  // CLOCK_MONOTONIC: changes of the space up to then are in X_LB
   std::uint64_t revision = 0;         // counts changes of this record since omnid's start
+  std::uint32_t follows = 0;          // 1: the base moves; where it is stands in the state memory (BaseSample)
+  std::uint32_t reserved = 0;
 };
 
 // application -> omnid: XrEventDataReferenceSpaceChangePending, for a space that it named in its BasePoseRequest.
@@ -112,8 +117,27 @@ struct BasePoseReply {
   char text[1000] = {};
 };
 
+enum class BaseState : std::uint32_t {
+  kLost = 0,   // the source does not see the base: pose and velocities are meaningless
+  kSeen = 1,   // it stands at base_space at t_ns, and moves with these velocities
+  kStands = 2  // it moves no more: from now on the stored alignment holds
+};
+
+// tool -> omnid: where a base is that something carries, as often as it is known. Only one client at a time.
+struct BaseMotion {
+  MessageHeader header{.type = MessageType::kBaseMotion, .size = sizeof(BaseMotion)};
+  BaseState state = BaseState::kSeen;
+  std::int32_t space = kSpaceLocal;
+  std::int64_t t_ns = 0;  // CLOCK_MONOTONIC when it is there
+  HeadsetNames headset;
+  WirePose base_space;                             // X_LB
+  std::array<double, 3> linear_velocity_m_s{};     // of B's origin, in L
+  std::array<double, 3> angular_velocity_rad_s{};  // in L
+};
+
+static_assert(std::is_trivially_copyable_v<BaseMotion> && sizeof(BaseMotion) == 520);
 static_assert(std::is_trivially_copyable_v<BasePoseCommand> && std::is_trivially_copyable_v<BasePoseRequest>);
-static_assert(sizeof(BasePoseRequest) == 440 && sizeof(BasePose) == 128 && sizeof(SpaceChange) == 88);
+static_assert(sizeof(BasePoseRequest) == 440 && sizeof(BasePose) == 136 && sizeof(SpaceChange) == 88);
 static_assert(sizeof(BasePoseCommand) == 536 && sizeof(BasePoseReply) == 1024);
 
 // What is wrong with the numbers of a pose; null: nothing. Unit quaternion (|q|^2 within 1e-2 of 1), finite, within

@@ -15,9 +15,9 @@
 namespace omni::protocol {
 
 inline constexpr std::uint32_t kMessageMagic = 0x494E4D4F;  // "OMNI"
-// 2: scene commands, surfaces; 3: see docs/protocol/ipc.md; 4: emergency stop, telemetry. Incremented when a message
-// changes its size or meaning.
-inline constexpr std::uint16_t kProtocolVersion = 4;
+// 2: scene commands, surfaces; 3: see docs/protocol/ipc.md; 4: emergency stop, telemetry; 5: a base that moves.
+// Incremented when a message changes its size or meaning.
+inline constexpr std::uint16_t kProtocolVersion = 5;
 inline constexpr std::size_t kMaterialBytes = 88;  // of base::MaterialParameters in this version
 inline constexpr std::size_t kMaxMessageBytes = 65536;
 inline constexpr std::size_t kMaxSocketPathBytes = 107;

@@ -50,7 +50,8 @@ enum class Delivery : std::uint8_t { kOnce, kRepeated };
   ROW(HapticMaterial, 35, HapticMaterial, kApplications, Pace::kStream, 0)       \
   ROW(BasePoseRequest, 40, BasePoseRequest, kApplications, Pace::kStream, 0)     \
   ROW(SpaceChange, 42, SpaceChange, kApplications, Pace::kStream, 0)             \
-  ROW(BasePoseCommand, 43, BasePoseCommand, kTools, Pace::kAnswered, 0)
+  ROW(BasePoseCommand, 43, BasePoseCommand, kTools, Pace::kAnswered, 0)          \
+  ROW(BaseMotion, 45, BaseMotion, kTools, Pace::kStream, 0)
 
 // Server to client.                                    delivery, descriptors
 #define OMNI_SERVER_MESSAGES(ROW)                                    \

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "service/protocol/haptic_scene_range.h"
+#include "service/protocol/sample_range.h"
 #include "service/protocol/state_memory.h"
 #include "service/protocol/surfaces/surface_memory.h"
 #include "service/protocol/text.h"
@@ -99,7 +100,9 @@ const char* Problem(const BasePoseRequest& request) noexcept {
 }
 
 const char* Problem(const BasePose& placement) noexcept {
-  if (placement.known > 1 || placement.doubtful > 1) return "known or doubtful is neither 0 nor 1";
+  if (placement.known > 1 || placement.doubtful > 1 || placement.follows > 1) {
+    return "known, doubtful or follows is neither 0 nor 1";
+  }
   if (placement.uncalibrated > Uncalibrated::kOff) return "uncalibrated is not 0, 1 or 2";
   if (!(placement.expected_error_m >= 0 && placement.expected_error_m <= 1)) return "expected_error_m is not in 0..1";
   if (!(placement.rotation_sigma_rad >= 0 && placement.rotation_sigma_rad <= 4)) {
@@ -126,6 +129,21 @@ const char* Problem(const BasePoseCommand& command) noexcept {
   if (!(command.rotation_sigma_rad >= 0 && command.rotation_sigma_rad <= 4)) return "rotation_sigma_rad is not in 0..4";
   if (const char* problem = Problem(command.headset)) return problem;
   return PoseProblem(command.base_space);
+}
+
+const char* Problem(const BaseMotion& motion) noexcept {
+  if (motion.state > BaseState::kStands) return "state is not 0, 1 or 2";
+  if (!(motion.t_ns >= 0 && motion.t_ns <= kLatestTime_ns)) return "t_ns is not in 0..2^62";
+  for (int i = 0; i < 3; ++i) {
+    if (!(std::abs(motion.linear_velocity_m_s[i]) <= kFastestWireBase_m_s)) {
+      return "linear_velocity_m_s is not within 100 m/s";
+    }
+    if (!(std::abs(motion.angular_velocity_rad_s[i]) <= kFastestWireTurn_rad_s)) {
+      return "angular_velocity_rad_s is not within 100 rad/s";
+    }
+  }
+  if (const char* problem = Problem(motion.headset)) return problem;
+  return PoseProblem(motion.base_space);
 }
 
 const char* Problem(const BasePoseReply& reply) noexcept {

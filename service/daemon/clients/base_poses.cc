@@ -82,6 +82,11 @@ config::AlignmentDrift Fresh(config::AlignmentDrift drift) {
   return drift;
 }
 
+bool SameNames(const protocol::HeadsetNames& a, const protocol::HeadsetNames& b) {
+  return std::strcmp(a.system, b.system) == 0 &&
+         config::RuntimeIdentity(a.runtime) == config::RuntimeIdentity(b.runtime);
+}
+
 bool SameHeadset(const config::AlignmentEntry& a, const config::AlignmentEntry& b) {
   return a.space == b.space && a.system == b.system &&
          config::RuntimeIdentity(a.runtime) == config::RuntimeIdentity(b.runtime);
@@ -212,7 +217,19 @@ void BasePoses::Doubt(std::size_t index) {
   (void)Save();
 }
 
+void BasePoses::SetFollowed(const std::optional<protocol::HeadsetNames>& headset) {
+  if (headset.has_value() == followed_.has_value() && (!headset || SameNames(*headset, *followed_))) return;
+  followed_ = headset;
+  steady_s_ = 0;
+  NotifyAll();
+}
+
+bool BasePoses::Follows(const protocol::BasePoseRequest& request) const {
+  return followed_ && (followed_->runtime[0] == '\0' || SameNames(request.headset, *followed_));
+}
+
 void BasePoses::Feel(const base::Vec3& field_base_T) {
+  if (followed_) return;
   const bool same = base::Distance(field_base_T, steady_field_T_) < kSteady_T;
   steady_s_ = same ? steady_s_ + 1 : 0;
   if (!same) steady_field_T_ = field_base_T;
@@ -390,6 +407,7 @@ void BasePoses::Notify(const std::function<bool(ipc::ClientId, const protocol::B
     if (client.reported) continue;
     protocol::BasePose base_pose;
     base_pose.uncalibrated = static_cast<protocol::Uncalibrated>(file_.uncalibrated);
+    base_pose.follows = Follows(client.request) ? 1 : 0;
     if (const int found = FindFor(client.request); found >= 0) {
       const config::AlignmentEntry& entry = file_.entries[static_cast<std::size_t>(found)];
       const Live& live = live_[static_cast<std::size_t>(found)];
@@ -417,6 +435,7 @@ const protocol::BasePoseRequest* BasePoses::RequestOf(ipc::ClientId id) const {
 bool BasePoses::Aligned(ipc::ClientId id) const {
   const auto client = clients_.find(id);
   if (client == clients_.end() || file_.uncalibrated == config::UncalibratedPolicy::kOff) return false;
+  if (Follows(client->second.request)) return true;
   const int found = FindFor(client->second.request);
   return found >= 0 && file_.entries[static_cast<std::size_t>(found)].IsTrusted();
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,11 @@ class BasePoses {
   static constexpr int kMoved_s = 5;         // in a row, either way
   static constexpr double kSteady_T = 3e-6;  // of a field that is kept with an alignment ...
   static constexpr int kSteady_s = 20;  // ... once it was steady for so long: a controller is near while one aligns
+  // A base that moves sees another field at each place: nothing is concluded from it.
   void Feel(const base::Vec3& field_base_T);
+
+  // The headset in whose spaces the base moves; without names: any; none: it stands where it was measured.
+  void SetFollowed(const std::optional<protocol::HeadsetNames>& headset);
 
   struct Done {
     bool ok = false;
@@ -52,7 +57,7 @@ class BasePoses {
   // Notifies every client of changes. If `send` returns false, the next call tries again.
   void Notify(const std::function<bool(ipc::ClientId, const protocol::BasePose&)>& send);
 
-  // This client's spaces have a measured, undoubted placement.
+  // This client's spaces have a measured, undoubted placement, or the base's motion in them is reported.
   bool Aligned(ipc::ClientId id) const;
   // The request of this client; null: none yet.
   const protocol::BasePoseRequest* RequestOf(ipc::ClientId id) const;
@@ -76,6 +81,7 @@ class BasePoses {
   void Doubt(std::size_t index);
   void KeepNewestOfEach();
   int FindFor(const protocol::BasePoseRequest& request) const;
+  bool Follows(const protocol::BasePoseRequest& request) const;
   void Changed(std::size_t index);
   bool CountStart(config::AlignmentEntry& entry, std::int64_t now_unix_s) const;
   base::Status Save();
@@ -94,6 +100,7 @@ class BasePoses {
   std::vector<Live> live_;
   std::map<ipc::ClientId, Client> clients_;
   std::uint64_t revisions_ = 0;
+  std::optional<protocol::HeadsetNames> followed_;
   base::Vec3 steady_field_T_;
   int steady_s_ = 0;
 };

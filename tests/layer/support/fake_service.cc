@@ -181,6 +181,7 @@ struct FakeService::RequestHandler {
   void operator()(const protocol::SpaceChange& change) const { service.Hear(service.heard_.space_changes, change); }
   void operator()(const protocol::SceneCommand& /*command*/) const {}
   void operator()(const protocol::BasePoseCommand& /*command*/) const {}
+  void operator()(const protocol::BaseMotion& /*motion*/) const {}
 };
 
 void FakeService::OnRequest(ipc::ClientId id, const protocol::Request& request, base::UniqueFd file) {
