@@ -184,6 +184,20 @@ TEST(Validate, RejectsPlacementsOutOfRange) {
   refused(
       BasePoseCommand{}, [](BasePoseCommand& c) { std::memset(c.method, 'x', sizeof(c.method)); }, "method");
   refused(
+      BasePose{}, [](BasePose& p) { p.follows = 2; }, "follows");
+  refused(
+      BaseMotion{}, [](BaseMotion& m) { m.state = static_cast<BaseState>(3); }, "state");
+  refused(
+      BaseMotion{}, [](BaseMotion& m) { m.t_ns = -1; }, "t_ns");
+  refused(
+      BaseMotion{}, [](BaseMotion& m) { m.base_space.position_m[2] = 101; }, "within 100 m");
+  refused(
+      BaseMotion{}, [](BaseMotion& m) { m.linear_velocity_m_s[1] = std::nan(""); }, "linear_velocity_m_s");
+  refused(
+      BaseMotion{}, [](BaseMotion& m) { m.angular_velocity_rad_s[1] = -101; }, "angular_velocity_rad_s");
+  refused(
+      BaseMotion{}, [](BaseMotion& m) { std::memset(m.headset.system, 'x', sizeof(m.headset.system)); }, "system");
+  refused(
       BasePoseReply{}, [](BasePoseReply& r) { r.done = 2; }, "done");
 }
 

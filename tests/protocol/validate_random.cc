@@ -72,6 +72,7 @@ std::vector<Bytes> Seeds() {
           BytesOf(material),
           BytesOf(state),
           BytesOf(table),
+          BytesOf(BaseMotion{}),
           BytesOf(HapticSceneEnd{}),
           BytesOf(HapticSceneEnable{}),
           BytesOf(Hello{}),
@@ -160,6 +161,12 @@ struct Contract {
     ExpectPose(command.base_space);
     EXPECT_TRUE(IsTerminated(command.method) && IsTerminated(command.headset.system));
     EXPECT_TRUE(command.rms_m >= 0 && command.expected_error_m >= 0);
+  }
+  void operator()(const BaseMotion& motion) const {
+    ExpectPose(motion.base_space);
+    EXPECT_LE(motion.state, BaseState::kStands);
+    EXPECT_TRUE(motion.t_ns >= 0 && IsTerminated(motion.headset.runtime) && IsTerminated(motion.headset.system));
+    EXPECT_TRUE(Within(motion.linear_velocity_m_s) && Within(motion.angular_velocity_rad_s));
   }
   void operator()(const BasePoseReply& reply) const { EXPECT_TRUE(IsTerminated(reply.text) && reply.done <= 1); }
   void operator()(const ShapedHaptic& haptic) const {
