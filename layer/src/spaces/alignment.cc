@@ -20,14 +20,20 @@ BasePose Guess(bool valid, bool tracked) {
 BasePose ToBasePose(const protocol::BasePose& received) {
   const bool off = received.uncalibrated == protocol::Uncalibrated::kOff;
   const bool front = received.uncalibrated == protocol::Uncalibrated::kFrontOfUser;
+  const bool follows = !off && received.follows == 1;
   // The pen is tracked about a base whose place is a guess: engines hide what was never TRACKED (docs/decisions/0020).
-  if (off || received.known == 0) return Guess(!off && front, true);
+  if (off || received.known == 0) {
+    BasePose guess = Guess(!off && front, true);
+    guess.follows = follows;
+    return guess;
+  }
   const auto& p = received.base_space.position_m;
   const auto& q = received.base_space.orientation_wxyz;
   BasePose base_pose;
   base_pose.space = static_cast<XrReferenceSpaceType>(received.space);
   base_pose.X_LO = {{p[0], p[1], p[2]}, glm::normalize(glm::dquat(q[0], q[1], q[2], q[3]))};
   base_pose.tracked = received.doubtful == 0;
+  base_pose.follows = follows;
   return base_pose;
 }
 
@@ -70,10 +76,14 @@ void Alignment::Poll() {
       std::max(base::MonotonicNow_ns(),
                received->changes_until_ns == 0 ? 0 : received->changes_until_ns + protocol::kSameChange_ns);
   BasePose base_pose = ToBasePose(*received);
-  if (instance_.link.test() != nullptr) base_pose.valid = base_pose.tracked = true;
+  if (instance_.link.test() != nullptr) {
+    base_pose.valid = base_pose.tracked = true;
+    base_pose.follows = false;
+  }
   for (const auto& session : instance_.sessions.Values())
     session->base_pose.Set(base_pose, instance_.clock.ToXr(known_until_ns));
-  if (received->known == 0) instance_.log.Line("this headset is not aligned with the base: run `omni align`");
+  if (received->known == 0 && received->follows == 0)
+    instance_.log.Line("this headset is not aligned with the base: run `omni align`");
 }
 
 void Alignment::OnSpaceChange(XrEventDataReferenceSpaceChangePending change) {

@@ -22,6 +22,7 @@ struct BasePose {
   Pose X_LO = DefaultBasePose();  // base in the natural frame of L: no offset of any application
   bool valid = true;              // false: it is not known where the base stands; the pen has no pose
   bool tracked = true;            // false: the pen's poses are VALID, not TRACKED
+  bool follows = false;           // the base moves: base_motion.h has where it is, this is for want of that
 };
 
 // The placement of one session over time. Any thread may call anything; nothing blocks for long.

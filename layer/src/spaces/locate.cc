@@ -55,14 +55,12 @@ Motion KnownMotion(const Located& X_AB) noexcept {
   return m;
 }
 
-Located PenIn(const Pose& X_LO, const ToolMotion& tool, const Pose& X_TS) noexcept {
+Located PenIn(const Motion& X_LO, const ToolMotion& tool, const Pose& X_TS) noexcept {
   Located out;
   if (!tool.valid) return out;
-  Motion base_pose;
-  base_pose.X = X_LO;
   Motion offset;
   offset.X = X_TS;
-  out.motion = Compose(Compose(base_pose, tool.X_BT), offset);
+  out.motion = Compose(Compose(X_LO, tool.X_BT), offset);
   out.flags = tool.tracked ? kValid | kTracked : kValid;
   out.velocity_flags = kVelocityValid;
   return out;

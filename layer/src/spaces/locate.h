@@ -26,7 +26,7 @@ Located Invert(const Located& X_AB) noexcept;
 Motion KnownMotion(const Located& X_AB) noexcept;
 
 // A space fixed to the pen, in L.
-Located PenIn(const Pose& X_LO, const ToolMotion& tool, const Pose& X_TS) noexcept;
+Located PenIn(const Motion& X_LO, const ToolMotion& tool, const Pose& X_TS) noexcept;
 
 // OpenXR has four structures for a located thing (one space, one of many, a joint, all views); these are their parts.
 struct LocationFields {

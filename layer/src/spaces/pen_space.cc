@@ -1,5 +1,6 @@
 #include "layer/src/spaces/pen_space.h"
 
+#include "layer/src/spaces/base_motion.h"
 #include "service/base/clock.h"
 
 namespace omni::layer {
@@ -12,6 +13,15 @@ bool StandsStill(const Side& side) {
   const int type = side.space->reference;
   return type == XR_REFERENCE_SPACE_TYPE_LOCAL || type == XR_REFERENCE_SPACE_TYPE_STAGE ||
          type == kReferenceSpaceTypeLocalFloor;
+}
+
+// Where no pose of it is known yet, it stays where it was measured, or is guessed to be.
+void FollowBase(const BaseMotion& base, const Session& session, PenAt& pen) {
+  if (!base.valid) return;
+  pen.anchor = session.Anchor(base.space);
+  pen.X_LO = base.X_LO;
+  pen.base_pose.valid = true;
+  pen.base_pose.tracked = base.tracked;
 }
 
 }  // namespace
@@ -31,14 +41,20 @@ PenAt PenAtTime(const Instance& instance, const Session& session, XrTime time) {
   PenAt pen;
   pen.base_pose = session.base_pose.At(time);
   pen.anchor = session.Anchor(pen.base_pose.space);
-  if (const auto reader = instance.link.reader())
-    pen.tool = ToolMotionAt(*reader, instance.clock.ToMonotonic(time), base::MonotonicNow_ns());
+  pen.X_LO.X = pen.base_pose.X_LO;
+  const auto reader = instance.link.reader();
+  if (pen.base_pose.follows) pen.base_pose.tracked = false;
+  if (!reader) return pen;
+  const std::int64_t t_ns = instance.clock.ToMonotonic(time);
+  const std::int64_t now_ns = base::MonotonicNow_ns();
+  pen.tool = ToolMotionAt(*reader, t_ns, now_ns);
+  if (pen.base_pose.follows) FollowBase(BaseMotionAt(*reader, t_ns, now_ns), session, pen);
   return pen;
 }
 
 Located PenAt::Locate(const Pose& X_TS) const noexcept {
   if (!anchor || !base_pose.valid) return {};
-  Located out = PenIn(base_pose.X_LO, tool, X_TS);
+  Located out = PenIn(X_LO, tool, X_TS);
   if (!base_pose.tracked) out.flags &= ~kTracked;
   return out;
 }

@@ -26,6 +26,7 @@ Side SideOf(const Instance& instance, XrSpace handle);
 struct PenAt {
   XrSpace anchor = XR_NULL_HANDLE;  // L as the runtime knows it; null: the pen has no pose
   BasePose base_pose;
+  Motion X_LO;  // the base, at rest unless it follows something
   ToolMotion tool;
 
   // S in L.

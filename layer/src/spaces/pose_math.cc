@@ -63,6 +63,13 @@ XrPosef ToXr(const Pose& pose) noexcept {
           ToXr(pose.p)};
 }
 
+Motion MovedOn(const Motion& motion, double dt_s) noexcept {
+  Motion m = motion;
+  m.X.p += dt_s * m.v;
+  m.X.q = glm::normalize(ExpRotation(dt_s * m.w) * m.X.q);
+  return m;
+}
+
 glm::dquat ExpRotation(const glm::dvec3& w) noexcept {
   const double angle = glm::length(w);
   // sin(a/2)/a -> 1/2 for a -> 0

@@ -40,6 +40,9 @@ std::array<double, 3> ToArray(const glm::dvec3& v) noexcept;  // as in the servi
 bool IsFinite(const XrVector3f& v) noexcept;
 bool IsFinite(const Motion& m) noexcept;
 
+// After dt_s at its present velocities.
+Motion MovedOn(const Motion& motion, double dt_s) noexcept;
+
 // Rotation by the vector w (axis times angle, rad).
 glm::dquat ExpRotation(const glm::dvec3& w) noexcept;
 

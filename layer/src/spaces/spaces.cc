@@ -106,7 +106,7 @@ XrResult Locator::LocateInBase(const Session& session, XrSpace space, XrTime tim
   const Side s = SideOf(instance_, space);
   const PenAt pen = PenAtTime(instance_, session, time);
   if (s.pen() && s.session() == &session) {
-    X_OS = PenIn(Pose{}, pen.tool, s.X_TS);
+    X_OS = PenIn(Motion{}, pen.tool, s.X_TS);
     return XR_SUCCESS;
   }
   // Also without a known placement: the runtime checks the space and the time.
@@ -119,7 +119,7 @@ XrResult Locator::LocateInBase(const Session& session, XrSpace space, XrTime tim
   anchor.served_by = 0;  // stands for L, as a space of the pen does
   const Located X_LS = FromBelow({&location.locationFlags, &location.pose}, FieldsOf(&velocity), s, anchor);
   Located X_LO;
-  X_LO.motion.X = pen.base_pose.X_LO;
+  X_LO.motion = pen.X_LO;
   X_LO.flags = pen.base_pose.tracked ? kValid | kTracked : kValid;
   X_LO.velocity_flags = kVelocityValid;
   X_OS = Chain(Invert(X_LO), X_LS);

@@ -29,12 +29,10 @@ bool Tracked(const protocol::ToolSample& s) noexcept {
 
 }  // namespace
 
-Motion Interpolate(const protocol::ToolSample& before, const protocol::ToolSample& after, std::int64_t t_ns) noexcept {
-  if (after.t_ns <= before.t_ns) return MotionOf(after);
-  const Motion m0 = MotionOf(before);
-  const Motion m1 = MotionOf(after);
-  const double h = 1e-9 * static_cast<double>(after.t_ns - before.t_ns);
-  const double s = 1e-9 * static_cast<double>(t_ns - before.t_ns) / h;
+Motion Interpolate(const Motion& m0, std::int64_t t0_ns, const Motion& m1, std::int64_t t1_ns,
+                   std::int64_t t_ns) noexcept {
+  const double h = 1e-9 * static_cast<double>(t1_ns - t0_ns);
+  const double s = 1e-9 * static_cast<double>(t_ns - t0_ns) / h;
   // Hermite basis: p(s) = h00 p0 + h10 h v0 + h01 p1 + h11 h v1, v = dp/ds / h
   const double s2 = s * s;
   const double s3 = s2 * s;
@@ -46,6 +44,11 @@ Motion Interpolate(const protocol::ToolSample& before, const protocol::ToolSampl
   m.v = (1 - s) * m0.v + s * m1.v;
   m.w = (1 - s) * m0.w + s * m1.w;
   return m;
+}
+
+Motion Interpolate(const protocol::ToolSample& before, const protocol::ToolSample& after, std::int64_t t_ns) noexcept {
+  if (after.t_ns <= before.t_ns) return MotionOf(after);
+  return Interpolate(MotionOf(before), before.t_ns, MotionOf(after), after.t_ns, t_ns);
 }
 
 namespace {
@@ -82,9 +85,7 @@ Motion Predict(const protocol::ToolSample& newest, const protocol::ToolSample& e
   if (method == Prediction::kTrusted) TrustVelocities(newest, earlier, m);
   const std::int64_t longest_ns = kMaxPrediction_ns;
   const double dt = 1e-9 * static_cast<double>(std::clamp<std::int64_t>(t_ns - newest.t_ns, 0, longest_ns));
-  m.X.p += dt * m.v;
-  m.X.q = glm::normalize(ExpRotation(dt * m.w) * m.X.q);
-  return m;
+  return MovedOn(m, dt);
 }
 
 namespace {

@@ -37,6 +37,10 @@ struct ToolMotion {
   Motion X_BT;           // tool in the base
 };
 
+// Between two motions, at t0_ns < t1_ns: as below.
+Motion Interpolate(const Motion& m0, std::int64_t t0_ns, const Motion& m1, std::int64_t t1_ns,
+                   std::int64_t t_ns) noexcept;
+
 // Between two samples: cubic Hermite through positions and velocities, slerp between orientations; the samples' own
 // velocities, linearly.
 Motion Interpolate(const protocol::ToolSample& before, const protocol::ToolSample& after, std::int64_t t_ns) noexcept;
