@@ -79,5 +79,25 @@ TEST_F(SpacesSystemCalls, LocateSpaceMakesNoSystemCall) {
             0);
 }
 
+TEST_F(SpacesSystemCalls, LocateSpaceOfAMovingBaseMakesNoSystemCall) {
+  if (kSanitized) GTEST_SKIP() << "a sanitizer makes system calls of its own";
+  App app;
+  Start(app, [](double /*t_s*/) { return layer::Motion{}; });
+  service.MoveBase([](protocol::BaseSample& sample) { sample.linear_velocity_space_m_s = {0.5, 0, 0}; });
+  ForgetOldPath(app);
+  ForgetOldPath(app);
+  const std::int64_t now = Now_ns();
+  ASSERT_NEAR(Locate(pen, local, now - 20'000'000).v().x, 0.5, 1e-6) << "it follows the base";
+  if (WithoutSystemCalls([] { return 0; }) == kNoFilter) GTEST_SKIP() << "this kernel takes no seccomp filter";
+  EXPECT_EQ(WithoutSystemCalls([&] {
+              for (std::int64_t t = now - 50'000'000; t < now + 50'000'000; t += 500'000) {
+                if ((Locate(pen, local, t).location.locationFlags & layer::kValid) != layer::kValid) return 1;
+                if ((Locate(local, pen, t).location.locationFlags & layer::kValid) != layer::kValid) return 2;
+              }
+              return 0;
+            }),
+            0);
+}
+
 }  // namespace test_spaces_quiet
 }  // namespace omni::test

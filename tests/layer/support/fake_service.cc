@@ -77,6 +77,26 @@ void FakeService::Fill() {
     publisher_->PublishContacts(contacts_);
     publisher_->Publish(sample, inputs_);
   }
+  FillBase(now);
+}
+
+void FakeService::FillBase(std::int64_t now_ns) {
+  if (!base_trajectory_) return;
+  last_base_t_ns_ = std::max(last_base_t_ns_, now_ns - kHistory_ns);
+  while (last_base_t_ns_ + kBasePeriod_ns <= now_ns) {
+    protocol::BaseSample sample;
+    sample.t_ns = last_base_t_ns_ += kBasePeriod_ns;
+    sample.flags = protocol::kBaseSeen;
+    base_trajectory_(sample);
+    publisher_->PublishBase(sample);
+  }
+}
+
+void FakeService::MoveBase(BaseTrajectory trajectory) {
+  base_trajectory_ = std::move(trajectory);
+  protocol::BasePose moving = InFrontOfLocal();
+  moving.follows = 1;
+  SetBasePose(moving);
 }
 
 Heard FakeService::heard() const {

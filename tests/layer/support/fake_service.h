@@ -65,6 +65,12 @@ class FakeService : private ipc::ServerHandler {
   // The force properties that it reports from now on, to every client.
   void SetForce(bool available, protocol::ForceStanding standing);
 
+  // The base moves from the next Fill on, as BasePose says: a pose of it each kBasePeriod_ns. `trajectory` fills the
+  // sample of its t_ns; flags say that it is seen.
+  using BaseTrajectory = std::function<void(protocol::BaseSample&)>;
+  static constexpr std::int64_t kBasePeriod_ns = 11'111'111;
+  void MoveBase(BaseTrajectory trajectory);
+
   // Publishes samples up to now.
   void Fill();
   // Flags of the pen: lost, or never seen.
@@ -102,6 +108,8 @@ class FakeService : private ipc::ServerHandler {
   void OnPeriod(std::int64_t now_ns) override;
   std::string StatusJson() override { return "{}"; }
 
+  void FillBase(std::int64_t now_ns);
+
   Trajectory trajectory_;
   std::uint32_t flags_ = protocol::kToolPoseValid | protocol::kToolTracked;
   protocol::InputSnapshot inputs_;
@@ -112,6 +120,8 @@ class FakeService : private ipc::ServerHandler {
   bool surfaces_due_ = false;
   SceneAnswer scene_answer_;
   std::int64_t last_t_ns_ = 0;
+  BaseTrajectory base_trajectory_;
+  std::int64_t last_base_t_ns_ = 0;
   mutable std::mutex mutex_;
   Heard heard_;
   protocol::AppSettings settings_;
