@@ -64,7 +64,7 @@ Service::Service(ServiceOptions options)
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
   if (!base_poses_.problem().empty()) spdlog::warn("{}", base_poses_.problem());
   if (stop_.on()) spdlog::warn("{}", stop_.Problem());
-  base_poses_.SetFollowed(followed_base_.headset());
+  base_poses_.SetFollowed(followed_base_.headset(), followed_base_.seen());
   if (options_.inputs.devices.empty()) return;
   keys_ =
       std::make_unique<KeyThread>(KeyThreadOptions{.devices = options_.inputs.devices, .codes = options_.inputs.slots},
@@ -221,7 +221,6 @@ struct Service::RequestHandler {
     const FollowedBase::Taken taken = service.followed_base_.Take(id, motion, base::MonotonicNow_ns());
     if (taken.problem != nullptr) service.Problem(id, 1, taken.problem);
     service.PublishBase(taken.sample);
-    service.base_poses_.SetFollowed(service.followed_base_.headset());
     service.SendBasePoses();
   }
 };
@@ -239,6 +238,7 @@ void Service::SendBasePoses() {
 
 void Service::PublishBase(const std::optional<protocol::BaseSample>& sample) {
   if (sample && options_.on_base) options_.on_base(*sample);
+  base_poses_.SetFollowed(followed_base_.headset(), followed_base_.seen());
 }
 
 // Of the owner; without one, of any client.
@@ -422,6 +422,12 @@ std::string Service::StatusJson() {
   input.aligned = Aligned();
   input.alignments = base_poses_.file();
   if (!base_poses_.problem().empty()) input.problems.push_back("alignment: " + base_poses_.problem());
+  if (followed_base_.headset() && !followed_base_.seen()) {
+    input.problems.emplace_back(
+        "base: it is mounted on something that moves, and no program reports where that is; run `omni follow`, or "
+        "`omni "
+        "follow --off` if it stands where it was aligned");
+  }
   input.scene_generation = generation_;
   if (wanted_ != nullptr) {
     input.scene_file = wanted_->file;

@@ -149,7 +149,7 @@ TEST(DaemonFollowedBase, ApplicationsOfThatHeadsetAreNotified) {
   FollowedBase base;
   for (int i = 0; i < 3; ++i) {
     base.Take(kTool, PoseAt(kNow_ns + i * kMs_ns), kNow_ns + i * kMs_ns);
-    placements.SetFollowed(base.headset());
+    placements.SetFollowed(base.headset(), base.seen());
   }
   EXPECT_EQ(follows(1), 1U);
   EXPECT_EQ(follows(2), 0U);
@@ -157,7 +157,7 @@ TEST(DaemonFollowedBase, ApplicationsOfThatHeadsetAreNotified) {
   EXPECT_TRUE(placements.Aligned(1));
   EXPECT_FALSE(placements.Aligned(2));
   base.Take(kTool, PoseAt(0, 0, BaseState::kStands), kNow_ns + 9 * kMs_ns);
-  placements.SetFollowed(base.headset());
+  placements.SetFollowed(base.headset(), base.seen());
   EXPECT_EQ(follows(1), 0U);
 }
 
@@ -166,11 +166,12 @@ TEST(DaemonFollowedBase, MountedBaseFollowsFromTheStart) {
   const FollowedBase base(true);
   const TempFolder temp;
   BasePoses placements(temp.Path("a.toml"));
-  placements.SetFollowed(base.headset());
+  placements.SetFollowed(base.headset(), base.seen());
   placements.Request(1, Request({kSpaceLocal}), kDate_s);
   Listener listener;
   listener.Listen(placements);
   EXPECT_EQ(listener.reported[1].back().follows, 1U);
+  EXPECT_FALSE(placements.Aligned(1)) << "it is not known where it is";
 }
 
 // A base that moves turns in the earth's field on purpose.
@@ -184,10 +185,10 @@ TEST(DaemonFollowedBase, FieldDoesNotMakeItsAlignmentDoubtful) {
     for (int i = 0; i < 2 * BasePoses::kSteady_s; ++i) placements.Feel(field_T);
   };
   feel(kNorth_T);
-  placements.SetFollowed(Headset());
+  placements.SetFollowed(Headset(), true);
   feel(kSouth_T);
   EXPECT_FALSE(placements.file().entries[0].base_moved);
-  placements.SetFollowed({});
+  placements.SetFollowed({}, false);
   feel(kSouth_T);
   EXPECT_TRUE(placements.file().entries[0].base_moved) << "it stands, and not as it did";
 }
@@ -210,6 +211,7 @@ TEST(DaemonFollowedBase, ServicePublishesPosesAndTheEndOfTheirSource) {
   service.OnRequest(kTool, PoseAt(base::MonotonicNow_ns(), 0.2), {});
   service.OnGone(kTool);
   EXPECT_EQ(published.back().flags, 0U);
+  EXPECT_NE(service.StatusJson().find("omni follow"), std::string::npos) << "says what to do";
 }
 
 }  // namespace test_daemon_followed_base

@@ -217,7 +217,8 @@ void BasePoses::Doubt(std::size_t index) {
   (void)Save();
 }
 
-void BasePoses::SetFollowed(const std::optional<protocol::HeadsetNames>& headset) {
+void BasePoses::SetFollowed(const std::optional<protocol::HeadsetNames>& headset, bool seen) {
+  followed_seen_ = seen;
   if (headset.has_value() == followed_.has_value() && (!headset || SameNames(*headset, *followed_))) return;
   followed_ = headset;
   steady_s_ = 0;
@@ -435,7 +436,7 @@ const protocol::BasePoseRequest* BasePoses::RequestOf(ipc::ClientId id) const {
 bool BasePoses::Aligned(ipc::ClientId id) const {
   const auto client = clients_.find(id);
   if (client == clients_.end() || file_.uncalibrated == config::UncalibratedPolicy::kOff) return false;
-  if (Follows(client->second.request)) return true;
+  if (Follows(client->second.request)) return followed_seen_;
   const int found = FindFor(client->second.request);
   return found >= 0 && file_.entries[static_cast<std::size_t>(found)].IsTrusted();
 }

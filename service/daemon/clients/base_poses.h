@@ -43,7 +43,8 @@ class BasePoses {
   void Feel(const base::Vec3& field_base_T);
 
   // The headset in whose spaces the base moves; without names: any; none: it stands where it was measured.
-  void SetFollowed(const std::optional<protocol::HeadsetNames>& headset);
+  // `seen`: where it is now is known.
+  void SetFollowed(const std::optional<protocol::HeadsetNames>& headset, bool seen);
 
   struct Done {
     bool ok = false;
@@ -57,7 +58,7 @@ class BasePoses {
   // Notifies every client of changes. If `send` returns false, the next call tries again.
   void Notify(const std::function<bool(ipc::ClientId, const protocol::BasePose&)>& send);
 
-  // This client's spaces have a measured, undoubted placement, or the base's motion in them is reported.
+  // This client's spaces have a measured, undoubted placement, or it is known how the base moves in them.
   bool Aligned(ipc::ClientId id) const;
   // The request of this client; null: none yet.
   const protocol::BasePoseRequest* RequestOf(ipc::ClientId id) const;
@@ -101,6 +102,7 @@ class BasePoses {
   std::map<ipc::ClientId, Client> clients_;
   std::uint64_t revisions_ = 0;
   std::optional<protocol::HeadsetNames> followed_;
+  bool followed_seen_ = false;
   base::Vec3 steady_field_T_;
   int steady_s_ = 0;
 };

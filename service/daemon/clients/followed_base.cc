@@ -67,7 +67,7 @@ std::optional<protocol::BaseSample> FollowedBase::Remove(ipc::ClientId id, std::
 
 // The last known pose, at rest. Nothing while none was known, or once it is lost.
 std::optional<protocol::BaseSample> FollowedBase::Lost(std::int64_t t_ns) {
-  if (!newest_ || (newest_->flags & protocol::kBaseSeen) == 0) return std::nullopt;
+  if (!seen()) return std::nullopt;
   newest_->t_ns = std::max(newest_->t_ns, t_ns);
   newest_->flags = 0;
   newest_->linear_velocity_space_m_s = newest_->angular_velocity_space_rad_s = {};

@@ -41,6 +41,8 @@ class FollowedBase {
 
   // Whose base moves: the headset in whose space it is; without names: of any. None: it stands where it was measured.
   const std::optional<protocol::HeadsetNames>& headset() const { return headset_; }
+  // Its source sees it, as far as it has said.
+  bool seen() const { return newest_ && (newest_->flags & protocol::kBaseSeen) != 0; }
 
  private:
   Taken Refuse(ipc::ClientId id, const char* problem, std::optional<protocol::BaseSample> sample);
