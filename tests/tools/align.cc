@@ -43,13 +43,13 @@ TEST(ToolsAlignProbe, ParsesValidLinesAndRejectsOthers) {
 }
 
 TEST(ToolsAlignProbe, MissingProbeProgramIsNamedInError) {
-  const auto probe = AlignProbe::Start("/no/such/probe", false);
+  const auto probe = AlignProbe::Start("/no/such/probe", {});
   ASSERT_FALSE(probe.ok());
   ExpectSays(probe.error(), {"/no/such/probe", "--probe"});
 }
 
 TEST(ToolsAlignProbe, ReportsEndWhenChildExits) {
-  const auto probe = AlignProbe::Start("/bin/true", false);
+  const auto probe = AlignProbe::Start("/bin/true", {});
   ASSERT_TRUE(probe.ok()) << probe.error();
   const auto line = (*probe)->Next(5000);
   ASSERT_TRUE(line);

@@ -5,24 +5,7 @@
 namespace align {
 namespace {
 
-constexpr XrPosef kHere{{0, 0, 0, 1}, {0, 0, 0}};
-constexpr XrSpaceLocationFlags kTracked =
-    XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT |
-    XR_SPACE_LOCATION_POSITION_TRACKED_BIT | XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT;
-
-// All controllers have a grip pose; a runtime rejects a profile that it does not know, which does no harm.
-constexpr const char* kProfiles[] = {
-    "/interaction_profiles/khr/simple_controller",       "/interaction_profiles/oculus/touch_controller",
-    "/interaction_profiles/valve/index_controller",      "/interaction_profiles/htc/vive_controller",
-    "/interaction_profiles/microsoft/motion_controller",
-};
 constexpr const char* kHandPaths[] = {"/user/hand/left", "/user/hand/right"};
-
-bool Failed(XrResult result, const char* call, std::string* problem) {
-  if (XR_SUCCEEDED(result)) return false;
-  *problem = std::string(call) + ": XrResult " + std::to_string(result);
-  return true;
-}
 
 template <class Function>
 void Load(XrInstance instance, const char* name, Function& function) {
@@ -31,6 +14,12 @@ void Load(XrInstance instance, const char* name, Function& function) {
 }
 
 }  // namespace
+
+bool Failed(XrResult result, const char* call, std::string* problem) {
+  if (XR_SUCCEEDED(result)) return false;
+  *problem = std::string(call) + ": XrResult " + std::to_string(result);
+  return true;
+}
 
 Hands::Hands(XrInstance instance, XrSession session, XrReferenceSpaceType space, bool fingers, std::string* problem)
     : instance_(instance), session_(session) {

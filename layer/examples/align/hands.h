@@ -9,6 +9,20 @@
 
 namespace align {
 
+// All controllers have a grip pose; a runtime rejects a profile that it does not know, which does no harm.
+inline constexpr std::array kProfiles{
+    "/interaction_profiles/khr/simple_controller",       "/interaction_profiles/oculus/touch_controller",
+    "/interaction_profiles/valve/index_controller",      "/interaction_profiles/htc/vive_controller",
+    "/interaction_profiles/microsoft/motion_controller",
+};
+inline constexpr XrSpaceLocationFlags kTracked =
+    XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT |
+    XR_SPACE_LOCATION_POSITION_TRACKED_BIT | XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT;
+inline constexpr XrPosef kHere{{0, 0, 0, 1}, {0, 0, 0}};
+
+// `problem`: which call failed, and how.
+bool Failed(XrResult result, const char* call, std::string* problem);
+
 enum class Part { kLeft, kRight, kLeftFinger, kRightFinger };
 inline constexpr std::array kPartNames{"left", "right", "left_finger", "right_finger"};
 

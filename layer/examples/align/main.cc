@@ -5,6 +5,8 @@
 //   system NAME                   of the headset
 //   space N                       XrReferenceSpaceType of all poses below: STAGE, else LOCAL_FLOOR, else LOCAL
 //   pose T PART X Y Z QX QY QZ QW CLOCK_MONOTONIC ns; left, right, left_finger, right_finger; metres
+//   motion T X Y Z QX QY QZ QW [VX VY VZ WX WY WZ]   --follow PATH: of that path; m/s, rad/s, if the runtime knows them
+//   lost                          --follow PATH: it is not tracked now
 //   moved                         the runtime moves that space: earlier poses have another origin
 //   end REASON                    the session is over
 
@@ -23,6 +25,7 @@
 #include <string>
 #include <vector>
 
+#include "align/follower.h"
 #include "align/hands.h"
 #include "session/session.h"
 
@@ -37,7 +40,9 @@ struct Runtime {
   XrInstance instance = XR_NULL_HANDLE;
   std::vector<const char*> session_extensions;
   bool fingers = false;
+  std::string follow;  // a path; empty: both hands
   PFN_xrConvertTimeToTimespecTimeKHR to_timespec = nullptr;
+  PFN_xrConvertTimespecTimeToTimeKHR to_time = nullptr;
 };
 
 int Fail(const std::string& problem) {
@@ -53,7 +58,8 @@ std::string OneLine(const char* name, std::size_t capacity) {
   return text;
 }
 
-std::string MakeInstance(bool fingers, Runtime* runtime) {
+std::string MakeInstance(Runtime* runtime) {
+  const bool fingers = runtime->fingers;
   const std::vector<std::string> offered = example::AvailableExtensions();
   std::string problem;
   runtime->session_extensions = example::Session::Extensions(offered, &problem);
@@ -68,12 +74,17 @@ std::string MakeInstance(bool fingers, Runtime* runtime) {
   if (fingers && !add(XR_EXT_HAND_TRACKING_EXTENSION_NAME)) {
     return "the runtime offers no XR_EXT_hand_tracking; use another method";
   }
+  if (align::Follower::IsTracker(runtime->follow) && !add(align::kTrackerExtension)) {
+    return std::string("the runtime offers no ") + align::kTrackerExtension + "; follow a controller";
+  }
   runtime->instance = example::CreateInstance("Omni align", enabled, &problem);
   if (runtime->instance == XR_NULL_HANDLE) return problem;
-  runtime->fingers = fingers;
   PFN_xrVoidFunction found = nullptr;
   if (timespec && XR_SUCCEEDED(xrGetInstanceProcAddr(runtime->instance, "xrConvertTimeToTimespecTimeKHR", &found))) {
     runtime->to_timespec = reinterpret_cast<PFN_xrConvertTimeToTimespecTimeKHR>(found);
+  }
+  if (timespec && XR_SUCCEEDED(xrGetInstanceProcAddr(runtime->instance, "xrConvertTimespecTimeToTimeKHR", &found))) {
+    runtime->to_time = reinterpret_cast<PFN_xrConvertTimespecTimeToTimeKHR>(found);
   }
   return {};
 }
@@ -114,6 +125,15 @@ int64_t ToMonotonic_ns(const Runtime& runtime, XrTime time) {
   return int64_t{at.tv_sec} * 1'000'000'000 + at.tv_nsec;
 }
 
+// Now, where the runtime says what that is; else the time of the frame.
+XrTime NowOf(const Runtime& runtime, XrTime frame) {
+  timespec now{};
+  XrTime time = 0;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  const bool known = runtime.to_time != nullptr && XR_SUCCEEDED(runtime.to_time(runtime.instance, &now, &time));
+  return frame > 0 && known ? time : frame;
+}
+
 // Whoever started us has closed our standard input, or is gone.
 bool InputEnded() {
   pollfd in{STDIN_FILENO, POLLIN, 0};
@@ -133,12 +153,46 @@ void OnEvent(const XrEventDataBuffer& event, void* user) {
   if (change.referenceSpaceType == static_cast<const Watch*>(user)->space) std::printf("moved\n");
 }
 
+void PrintMotion(int64_t t_ns, const align::FollowedMotion& motion) {
+  const XrVector3f& p = motion.pose.position;
+  const XrQuaternionf& q = motion.pose.orientation;
+  std::printf("motion %" PRId64 " %.7g %.7g %.7g %.7g %.7g %.7g %.7g", t_ns, double{p.x}, double{p.y}, double{p.z},
+              double{q.x}, double{q.y}, double{q.z}, double{q.w});
+  const XrVector3f& v = motion.velocity;
+  const XrVector3f& w = motion.turn_rate;
+  if (motion.moves) {
+    std::printf(" %.7g %.7g %.7g %.7g %.7g %.7g", double{v.x}, double{v.y}, double{v.z}, double{w.x}, double{w.y},
+                double{w.z});
+  }
+  std::printf("\n");
+}
+
+// As Run, for one path.
+int Follow(const Runtime& runtime, example::Session& session, Watch watch) {
+  std::string problem;
+  align::Follower follower(runtime.instance, session.handle(), watch.space, runtime.follow, &problem);
+  if (!problem.empty()) return Fail(problem);
+  while (!session.over() && !InputEnded()) {
+    session.PollEvents(OnEvent, &watch);
+    const XrTime time = NowOf(runtime, session.NextFrame());
+    align::FollowedMotion motion;
+    if (follower.Poll(time, &motion)) {
+      PrintMotion(ToMonotonic_ns(runtime, time), motion);
+    } else {
+      std::printf("lost\n");
+    }
+    std::fflush(stdout);
+  }
+  return session.over() ? Fail("the runtime has ended the session") : 0;
+}
+
 int Run(const Runtime& runtime) {
   if (const std::string problem = SayWhoTheyAre(runtime); !problem.empty()) return Fail(problem);
   example::Session session(runtime.instance, runtime.session_extensions);
   if (session.handle() == XR_NULL_HANDLE) return Fail(session.problem());
   Watch watch{Choose(session.handle()), session.handle()};
   std::printf("space %d\n", static_cast<int>(watch.space));
+  if (!runtime.follow.empty()) return Follow(runtime, session, watch);
   std::string problem;
   align::Hands hands(runtime.instance, session.handle(), watch.space, runtime.fingers, &problem);
   if (!problem.empty()) return Fail(problem);
@@ -163,13 +217,15 @@ int Run(const Runtime& runtime) {
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 1 << 16);
   Runtime runtime;
-  const bool fingers = argc == 2 && std::strcmp(argv[1], "--fingers") == 0;
+  runtime.fingers = argc == 2 && std::strcmp(argv[1], "--fingers") == 0;
+  if (argc == 3 && std::strcmp(argv[1], "--follow") == 0) runtime.follow = argv[2];
   const bool help = argc == 2 && std::strcmp(argv[1], "--help") == 0;
-  if (argc > 1 && !fingers) {
-    std::fprintf(help ? stdout : stderr, "usage: omni_align_probe [--fingers]; `omni align` starts it\n");
+  if (argc > 1 && !runtime.fingers && runtime.follow.empty()) {
+    std::fprintf(help ? stdout : stderr,
+                 "usage: omni_align_probe [--fingers | --follow PATH]; `omni align` and `omni follow` start it\n");
     return help ? 0 : 2;
   }
-  if (const std::string problem = MakeInstance(fingers, &runtime); !problem.empty()) return Fail(problem);
+  if (const std::string problem = MakeInstance(&runtime); !problem.empty()) return Fail(problem);
   const int status = Run(runtime);
   xrDestroyInstance(runtime.instance);
   return status;

@@ -69,8 +69,8 @@ std::optional<ProbeLine> ParseProbeLine(const std::string& line) {
     said.text = protocol::Printable(rest);
     return said;
   }
-  if (line == "moved") {
-    said.says = ProbeSays::kMoved;
+  if (line == "moved" || line == "lost") {
+    said.says = line == "moved" ? ProbeSays::kMoved : ProbeSays::kLost;
     return said;
   }
   std::istringstream values(rest);
@@ -78,19 +78,28 @@ std::optional<ProbeLine> ParseProbeLine(const std::string& line) {
     said.says = ProbeSays::kSpace;
     return values >> said.space && said.space > 0 ? std::optional(said) : std::nullopt;
   }
-  if (word != "pose") return std::nullopt;
-  said.says = ProbeSays::kPose;
+  if (word != "pose" && word != "motion") return std::nullopt;
+  said.says = word == "pose" ? ProbeSays::kPose : ProbeSays::kMotion;
   base::Vec3& p = said.pose.position_m;
   base::Quat& q = said.pose.orientation;
-  if (!(values >> said.t_ns >> said.text >> p.x >> p.y >> p.z >> q.x >> q.y >> q.z >> q.w)) return std::nullopt;
+  if (!(values >> said.t_ns) || (word == "pose" && !(values >> said.text))) return std::nullopt;
+  if (!(values >> p.x >> p.y >> p.z >> q.x >> q.y >> q.z >> q.w)) return std::nullopt;
   const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   const bool sound = std::abs(norm - 1) < 0.02 && std::abs(p.x) < 1e3 && std::abs(p.y) < 1e3 && std::abs(p.z) < 1e3;
   if (!sound) return std::nullopt;
   q = {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
+  base::Vec3& v = said.velocity_m_s;
+  base::Vec3& w = said.turn_rate_rad_s;
+  said.moves = word == "motion" && values >> v.x >> v.y >> v.z >> w.x >> w.y >> w.z;
+  if (!said.moves || !(base::Norm(v) < 1e3 && base::Norm(w) < 1e3)) {
+    said.moves = false;
+    v = w = {};
+  }
   return said;
 }
 
-base::Result<std::unique_ptr<AlignProbe>> AlignProbe::Start(const std::string& program, bool fingers) {
+base::Result<std::unique_ptr<AlignProbe>> AlignProbe::Start(const std::string& program,
+                                                            const std::vector<std::string>& arguments) {
   std::error_code error;
   if (!std::filesystem::exists(program, error)) {
     return base::Error{program + ": does not exist; build target omni_align_probe, or name it with --probe"};
@@ -108,7 +117,7 @@ base::Result<std::unique_ptr<AlignProbe>> AlignProbe::Start(const std::string& p
   posix_spawn_file_actions_adddup2(&actions, child_in.get(), STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, child_out.get(), STDOUT_FILENO);
   std::vector<std::string> variables = ChildEnvironment(), words{program};
-  if (fingers) words.emplace_back("--fingers");
+  words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> envp, argv;
   for (std::string& variable : variables) envp.push_back(variable.data());
   for (std::string& word : words) argv.push_back(word.data());

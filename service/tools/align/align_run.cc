@@ -112,7 +112,8 @@ void Feed(client::Connection& connection, std::deque<ProbeLine>& waiting, AlignS
 
 base::Result<Aligned> RunAlignment(client::Connection& connection, const AlignRunOptions& options) {
   const bool fingers = options.session.method == AlignMethod::kFingertip;
-  auto probe = AlignProbe::Start(options.probe.empty() ? DefaultProbe() : options.probe, fingers);
+  auto probe = AlignProbe::Start(options.probe.empty() ? DefaultProbe() : options.probe,
+                                 fingers ? std::vector<std::string>{"--fingers"} : std::vector<std::string>{});
   if (!probe.ok()) return base::Error{probe.error()};
   const EndSignals signals;
   AlignSession session(options.session);
