@@ -24,7 +24,8 @@
   COMMAND(Replay)                                               \
   COMMAND(Surfaces)                                             \
   COMMAND(Layer) /* enable, disable, status */                  \
-  COMMAND(Align)
+  COMMAND(Align)                                                \
+  COMMAND(Follow)
 
 namespace omni::tools {
 
