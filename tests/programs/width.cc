@@ -84,6 +84,7 @@ TEST_F(OnTerminals, HelpOfEveryCommandFits) {
                                                  {"scene", "save"},
                                                  {"surfaces"},
                                                  {"align"},
+                                                 {"follow"},
                                                  {"track"},
                                                  {"twin", "run"},
                                                  {"report"},
