@@ -424,9 +424,7 @@ std::string Service::StatusJson() {
   if (!base_poses_.problem().empty()) input.problems.push_back("alignment: " + base_poses_.problem());
   if (followed_base_.headset() && !followed_base_.seen()) {
     input.problems.emplace_back(
-        "base: it is mounted on something that moves, and no program reports where that is; run `omni follow`, or "
-        "`omni "
-        "follow --off` if it stands where it was aligned");
+        "base: no program reports where it is carried; run `omni follow`, or `omni follow --off` if it stands");
   }
   input.scene_generation = generation_;
   if (wanted_ != nullptr) {
