@@ -51,6 +51,7 @@ TEST_F(Models, InteractionModelsAreOfWhoHoldsTheHand) {
       ASSERT_NE(pen, XR_NULL_HANDLE);
       EXPECT_TRUE(m.IsPen(pen));
       const XrSpace pens = m.SpaceOf(pen);
+      service.Fill();
       EXPECT_TRUE(m.Shown(pens));
       ASSERT_NE(m.ModelAt(other), XR_NULL_HANDLE);
       EXPECT_FALSE(m.IsPen(m.ModelAt(other)));
@@ -71,6 +72,7 @@ TEST_F(Models, InteractionModelsAreOfWhoHoldsTheHand) {
         if (!was) enumerated.push_back(id);
       }
       EXPECT_TRUE(m.Shown(others));
+      service.Fill();
       ASSERT_EQ(m.app.Sync(), XR_SUCCESS);
       EXPECT_EQ(m.TakeChangeEvents(), 0) << "nothing has changed";
 

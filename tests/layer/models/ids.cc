@@ -80,6 +80,7 @@ TEST_F(ModelIds, ChangeInSyncOnly) {
     ASSERT_TRUE(m.app.WaitProfile(service, kTouch));
     m.TakeChangeEvents();
     const std::vector<XrRenderModelIdEXT> before = m.Ids();
+    ASSERT_FALSE(before.empty());
     const XrRenderModelEXT pen = m.Make(before.back());
     ASSERT_TRUE(m.IsPen(pen));
     SetPen(service, false);
@@ -104,6 +105,7 @@ TEST_F(ModelIds, OtherHandsModelIsTheRuntimes) {
   const XrRenderModelPropertiesEXT properties = m.PropertiesOf(left);
   EXPECT_EQ(properties.animatableNodeCount, 1u);
   const XrRenderModelAssetEXT asset = m.AssetOf(properties.cacheId);
+  ASSERT_NE(asset, XR_NULL_HANDLE);
   EXPECT_EQ(m.NodesOf(asset, 1), std::vector<std::string>{"trigger"});
   const std::vector<std::uint8_t> bytes = m.BytesOf(asset);
   EXPECT_EQ(std::string(bytes.begin(), bytes.begin() + 4), "glTF");

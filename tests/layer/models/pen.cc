@@ -51,6 +51,7 @@ TEST_P(PenModel, ApplicationGetsFileNodesAndPlace) {
   EXPECT_EQ(m.destroy_asset(asset), XR_SUCCESS);
   XrRenderModelAssetDataEXT data{XR_TYPE_RENDER_MODEL_ASSET_DATA_EXT, nullptr, 0, 0, nullptr};
   EXPECT_EQ(m.asset_data(asset, nullptr, &data), XR_ERROR_HANDLE_INVALID);
+  service.Fill();
   EXPECT_TRUE(m.Shown(m.SpaceOf(pen)));
   EXPECT_TRUE(m.IsPen(m.Make(m.Ids().back()))) << "a second handle of the same id";
 }
@@ -59,7 +60,9 @@ TEST_P(PenModel, BytesFollowTheTwoCallIdiom) {
   FakeService service;
   ModelApp m;
   ASSERT_TRUE(m.app.WaitProfile(service, kTouch));
-  const XrRenderModelAssetEXT asset = m.AssetOf(m.PropertiesOf(m.ModelAt("/user/hand/right")).cacheId);
+  const XrRenderModelEXT pen = m.ModelAt("/user/hand/right");
+  ASSERT_NE(pen, XR_NULL_HANDLE);
+  const XrRenderModelAssetEXT asset = m.AssetOf(m.PropertiesOf(pen).cacheId);
   const auto all = static_cast<std::uint32_t>(m.BytesOf(asset).size());
   std::vector<std::uint8_t> room(all + 1, 0xAB);
   XrRenderModelAssetDataEXT data{XR_TYPE_RENDER_MODEL_ASSET_DATA_EXT, nullptr, all - 1, 0, room.data()};
@@ -87,6 +90,7 @@ TEST_P(PenModel, PartsMoveWithTheInputs) {
   ModelApp m;
   ASSERT_TRUE(m.app.WaitProfile(service, kTouch));
   const XrRenderModelEXT pen = m.ModelAt("/user/hand/right");
+  ASSERT_NE(pen, XR_NULL_HANDLE);
   std::mt19937 random(7);
   std::uniform_real_distribution<float> any(-0.2f, 1.2f);
   using protocol::InputIndex;
@@ -119,8 +123,11 @@ TEST_P(PenModel, OriginIsTheTip) {
   FakeService service;
   ModelApp m;
   ASSERT_TRUE(m.app.WaitProfile(service, kTouch));
-  const XrSpace model = m.SpaceOf(m.ModelAt("/user/hand/right"));
+  const XrRenderModelEXT pen = m.ModelAt("/user/hand/right");
+  ASSERT_NE(pen, XR_NULL_HANDLE);
+  const XrSpace model = m.SpaceOf(pen);
   const XrSpace aim = m.app.ActionSpace(m.app.pose, m.app.right);
+  service.Fill();
   ASSERT_EQ(m.app.Sync(), XR_SUCCESS);
   const XrTime now = Now_ns() + kRuntimeOffset_ns;
   XrSpaceLocation in_aim{XR_TYPE_SPACE_LOCATION}, in_local{XR_TYPE_SPACE_LOCATION},
@@ -144,7 +151,9 @@ TEST_P(PenModel, NotLocatableWithoutFocusAndWithoutItsModel) {
   ModelApp m;
   ASSERT_TRUE(m.app.WaitProfile(service, kTouch));
   const XrRenderModelEXT pen = m.ModelAt("/user/hand/right");
+  ASSERT_NE(pen, XR_NULL_HANDLE);
   const XrSpace space = m.SpaceOf(pen);
+  service.Fill();
   EXPECT_TRUE(m.Shown(space));
   omni_test_set_focus(0);
   EXPECT_EQ(m.app.Sync(), XR_SESSION_NOT_FOCUSED);
@@ -152,6 +161,7 @@ TEST_P(PenModel, NotLocatableWithoutFocusAndWithoutItsModel) {
   omni_test_set_focus(1);
   m.app.PollUntilFocused();
   ASSERT_TRUE(m.app.WaitProfile(service, kTouch));
+  service.Fill();
   EXPECT_TRUE(m.Shown(space));
   EXPECT_EQ(m.destroy(pen), XR_SUCCESS);
   EXPECT_FALSE(m.Shown(space));
@@ -165,6 +175,7 @@ TEST_P(PenModel, SubactionPathFollowsTheActiveSets) {
   ModelApp m;
   ASSERT_TRUE(m.app.WaitProfile(service, kTouch));
   const XrRenderModelEXT pen = m.ModelAt("/user/hand/right");
+  ASSERT_NE(pen, XR_NULL_HANDLE);
   const auto paths = [&] {
     std::uint32_t count = 7;
     XrPath path = XR_NULL_PATH;
@@ -172,11 +183,14 @@ TEST_P(PenModel, SubactionPathFollowsTheActiveSets) {
     return count == 0 ? std::string() : m.app.Text(path);
   };
   EXPECT_EQ(paths(), "/user/hand/right");
+  service.Fill();
   ASSERT_EQ(m.app.SyncSets({}), XR_SUCCESS);
   EXPECT_EQ(paths(), "");
   EXPECT_EQ(m.UserPathOf(pen), "/user/hand/right") << "which does not depend on actions";
+  service.Fill();
   ASSERT_EQ(m.app.SyncSets({{m.app.set, m.app.left}}), XR_SUCCESS);
   EXPECT_EQ(paths(), "");
+  service.Fill();
   ASSERT_EQ(m.app.SyncSets({{m.app.set, m.app.right}}), XR_SUCCESS);
   EXPECT_EQ(paths(), "/user/hand/right");
 }
@@ -192,6 +206,7 @@ TEST_P(PenModel, WrongArgumentsAreRejected) {
   ASSERT_TRUE(m.app.WaitProfile(service, kTouch));
   m.Make(XR_NULL_RENDER_MODEL_ID_EXT, XR_ERROR_RENDER_MODEL_ID_INVALID_EXT);
   m.Make(123456, XR_ERROR_RENDER_MODEL_ID_INVALID_EXT);
+  ASSERT_FALSE(m.Ids().empty());
   const XrRenderModelIdEXT id = m.Ids().back();
   XrRenderModelEXT made = XR_NULL_HANDLE;
   XrRenderModelCreateInfoEXT create{XR_TYPE_RENDER_MODEL_CREATE_INFO_EXT, nullptr, id, 0, nullptr};
@@ -200,6 +215,7 @@ TEST_P(PenModel, WrongArgumentsAreRejected) {
   create.type = XR_TYPE_RENDER_MODEL_STATE_EXT;
   EXPECT_EQ(m.create(m.app.session, &create, &made), XR_ERROR_VALIDATION_FAILURE);
   const XrRenderModelEXT pen = m.ModelAt("/user/hand/right");
+  ASSERT_NE(pen, XR_NULL_HANDLE);
   m.AssetOf(m.PropertiesOf(pen).cacheId);
   XrUuidEXT other = layer::EmbeddedPenModel().id;
   other.data[15] ^= 1;
@@ -244,6 +260,7 @@ TEST_P(PenModel, UserPathQueriesAreChecked) {
   ModelApp m;
   ASSERT_TRUE(m.app.WaitProfile(service, kTouch));
   const XrRenderModelEXT pen = m.ModelAt("/user/hand/right");
+  ASSERT_NE(pen, XR_NULL_HANDLE);
   const auto ask = [&](const std::vector<XrPath>& paths, XrPath& path) {
     const XrInteractionRenderModelTopLevelUserPathGetInfoEXT info{
         XR_TYPE_INTERACTION_RENDER_MODEL_TOP_LEVEL_USER_PATH_GET_INFO_EXT, nullptr,
@@ -281,8 +298,10 @@ TEST_P(PenModel, NothingOutlivesItsSession) {
   FakeService service;
   ModelApp m;
   ASSERT_TRUE(m.app.WaitProfile(service, kTouch));
+  ASSERT_FALSE(m.Ids().empty());
   const XrRenderModelIdEXT id = m.Ids().back();
   const XrRenderModelEXT pen = m.ModelAt("/user/hand/right");
+  ASSERT_NE(pen, XR_NULL_HANDLE);
   const XrRenderModelAssetEXT asset = m.AssetOf(m.PropertiesOf(pen).cacheId);
   ASSERT_EQ(xrDestroySession(m.app.session), XR_SUCCESS);
   XrRenderModelPropertiesEXT properties{XR_TYPE_RENDER_MODEL_PROPERTIES_EXT, nullptr, {}, 0};
