@@ -13,6 +13,9 @@ def problems(row, presses):
     owners = [change["to"] for change in row["changes"] if "to" in change]
     if owners != OWNERS[row["mode"]]:
         found.append(f"the right hand went {' > '.join(owners) or 'nowhere'} instead of {' > '.join(OWNERS[row['mode']])}")
+    seen = ["controller" if profile == CONTROLLER else "pen" for profile in row["profiles"]]
+    if owners == OWNERS[row["mode"]] and seen not in (owners, ["controller", *owners]):  # until omnid has answered it is the controller's
+        found.append(f"the right hand changed by itself: {' > '.join(seen)}")
     if row["ended_by_itself"]:
         found.append("the program has ended by itself")
     if row["graphics"] and not row["frames"]:

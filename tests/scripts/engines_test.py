@@ -88,7 +88,8 @@ class Judge(unittest.TestCase):
         for change, words in (({"validation_errors": 2}, "2 errors of core_validation"), ({"ended_by_itself": True}, "ended by itself"),
                               ({"graphics": True, "frames": 0}, "no frame"), ({"pulses": 0}, "reached the coils"),
                               ({"changes": [{"to": "pen", "s": 1}]}, "the right hand went pen instead"),
-                              ({"changes": [{"missed": "it hung"}]}, "it hung"), ({"mode": "layer"}, "no hand pressed"),
+                              ({"changes": [{"missed": "it hung"}]}, "it hung"),
+                              ({"profiles": [*good["profiles"][:2] * 2, good["profiles"][0]]}, "changed by itself"), ({"mode": "layer"}, "no hand pressed"),
                               ({"presses_game": 2}, "2 the game"), ({"tracked": 0.5}, "only 50%"), ({"still_mm": None}, "off by None")):
             self.assertIn(words, "; ".join(table.problems({**good, **change}, runs.PRESSES)))
 
