@@ -179,7 +179,6 @@ void Input::Sync(Session& session, const XrActionsSyncInfo& info, bool focused) 
   if (session.running) instance_.SetFocus(session, input.focused);
   input.active = ActiveSets(info);
   input.choice = instance_.Choice();
-  input.pen = instance_.link.Read(now);
   input.start_edges = session.focus_was_lost.exchange(false);
   TestInputs test;
   if (instance_.link.test() && instance_.link.test()->in_control()) {
@@ -191,6 +190,7 @@ void Input::Sync(Session& session, const XrActionsSyncInfo& info, bool focused) 
   instance_.force_feedbacks.Watch();
 
   const std::unique_lock lock(session.mutex);
+  input.pen = session.pen = instance_.link.Read(now, session.pen);
   input.put_down = !input.test && PutDown(session, input.pen);
   SessionActions& state = session.actions;
   const Profile* before[] = {state.ProfileAt(instance_.hand_paths[0]), state.ProfileAt(instance_.hand_paths[1])};

@@ -48,9 +48,11 @@ class Session {
   std::atomic<bool> focus_was_lost{false};  // since the last sync
   std::atomic<bool> profile_event_due{false};
 
-  // Guards `actions` and `rest`. Held over calls to the next layer's xrGetActionState*, never over its xrSyncActions.
+  // Guards `actions`, `pen` and `rest`. Held over calls to the next layer's xrGetActionState*, never over its
+  // xrSyncActions.
   mutable std::shared_mutex mutex;
   SessionActions actions;
+  PenSnapshot pen;  // as the last sync saw it
   PenRest rest;
 };
 

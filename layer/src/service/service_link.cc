@@ -152,11 +152,16 @@ protocol::AppSettings ServiceLink::settings() const {
   return settings_;
 }
 
-PenSnapshot ServiceLink::Read(std::int64_t now_ns) const {
+PenSnapshot ServiceLink::Read(std::int64_t now_ns, const PenSnapshot& before) const {
   PenSnapshot pen;
   const std::shared_ptr<const client::StateReader> state = reader();
-  if (!state || !state->Newest(pen.sample) || !state->Inputs(pen.inputs)) return pen;
+  if (!state) return pen;
   pen.service_instance = state->service_instance();
+  if (!state->Newest(pen.sample) || !state->Inputs(pen.inputs)) {
+    const bool stands = before.present && before.service_instance == pen.service_instance &&
+                        now_ns - before.sample.t_ns <= kPresenceTimeout_ns;
+    return stands ? before : pen;
+  }
   const bool placed = now_ns >= base_pose_patience_ns_.load(std::memory_order_relaxed);
   pen.present =
       placed && now_ns - pen.sample.t_ns <= kPresenceTimeout_ns && (pen.sample.flags & protocol::kToolPoseValid) != 0;

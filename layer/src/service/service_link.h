@@ -78,7 +78,9 @@ class ServiceLink {
   void SendSpaceChange(const protocol::SpaceChange& change);
 
   std::shared_ptr<const client::StateReader> reader() const;
-  PenSnapshot Read(std::int64_t now_ns) const;
+  // `before`: what was read last. It stands when the service was interrupted while it wrote, for as long as its sample
+  // is recent: a pen is not put down because of that.
+  PenSnapshot Read(std::int64_t now_ns, const PenSnapshot& before) const;
   // The service's settings for this application; defaults until it has sent them.
   protocol::AppSettings settings() const;
 

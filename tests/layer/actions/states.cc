@@ -1,5 +1,6 @@
 // Action states from the pen, the runtime and both together, and when they change.
 #include <gtest/gtest.h>
+#include <time.h>
 
 #include "tests/layer/actions/states_fixture.h"
 
@@ -250,6 +251,39 @@ TEST_F(States, PenReturnsAfterServiceRestart) {
     EXPECT_FALSE(app.Bool(app.select, app.right).isActive);
     EXPECT_EQ(app.Profile(app.right), "");
   }
+}
+
+// Two processors for many programs: the service may lose its own while it writes. Found by scripts/engines: then the
+// hand was the controller's for one sync. The samples are stamped ahead, so that a slow test does not look like a
+// silent service.
+TEST_F(States, ServiceInterruptedWhileItWritesKeepsThePen) {
+  omni_test_set_device("right", 1, kTouch);
+  omni_test_set_float("/user/hand/right/input/trigger/value", 0.75f);
+  FakeService service;
+  service.SetTrajectory([](protocol::ToolSample& sample) { sample.t_ns += 60'000'000'000; });
+  App app;
+  service.Set(InputIndex::kTipForce, 0.25f);
+  ASSERT_TRUE(app.SyncUntil(service, [&] { return app.Float(app.force, app.right).currentState == 0.25f; }));
+  service.StopWhileWriting(true);
+  ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  EXPECT_FLOAT_EQ(app.Float(app.force, app.right).currentState, 0.25f);
+  service.StopWhileWriting(false);
+  Step(app, service);
+  EXPECT_FLOAT_EQ(app.Float(app.force, app.right).currentState, 0.25f);
+}
+
+TEST_F(States, ServiceThatStopsWhileItWritesHasNoPen) {
+  omni_test_set_device("right", 1, kTouch);
+  omni_test_set_float("/user/hand/right/input/trigger/value", 0.75f);
+  FakeService service;
+  App app;
+  service.Set(InputIndex::kTipForce, 0.25f);
+  ASSERT_TRUE(app.SyncUntil(service, [&] { return app.Float(app.force, app.right).currentState == 0.25f; }));
+  service.StopWhileWriting(true);
+  const timespec longer{.tv_sec = 0, .tv_nsec = 150'000'000};
+  nanosleep(&longer, nullptr);
+  ASSERT_EQ(app.Sync(), XR_SUCCESS);
+  EXPECT_FLOAT_EQ(app.Float(app.force, app.right).currentState, 0.75f);
 }
 
 // Presses made before the pen belonged to this session are not reported.

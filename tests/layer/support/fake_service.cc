@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <stdexcept>
+#include <string>
 #include <type_traits>
 #include <variant>
 
@@ -97,6 +100,19 @@ void FakeService::MoveBase(BaseTrajectory trajectory) {
   protocol::BasePose moving = InFrontOfLocal();
   moving.follows = 1;
   SetBasePose(moving);
+}
+
+// The publisher's own mapping is the only one of this memory that can be written.
+void FakeService::StopWhileWriting(bool stop) {
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    if (line.find("rw-s") == std::string::npos || line.find("memfd:omni-state") == std::string::npos) continue;
+    const std::uintptr_t address = std::stoull(line, nullptr, 16);
+    auto& sequence = reinterpret_cast<protocol::StateMemory*>(address)->inputs.sequence;
+    sequence.store(stop ? sequence.load() - 1 : sequence.load() + 1);
+    return;
+  }
+  std::abort();
 }
 
 Heard FakeService::heard() const {

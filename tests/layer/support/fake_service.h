@@ -76,6 +76,9 @@ class FakeService : private ipc::ServerHandler {
   // Flags of the pen: lost, or never seen.
   void SetFlags(std::uint32_t flags) { flags_ = flags; }
 
+  // It stands still in the middle of writing its inputs, as when another program has its processor; and goes on.
+  void StopWhileWriting(bool stop);
+
   // Sends the service's settings to the layer: now, and to clients that connect later.
   void Wish(const protocol::AppSettings& settings);
   // Its replies to each document that it receives from now on, as whole messages; at first none.
