@@ -11,7 +11,7 @@ constexpr XrSystemId kSystem = 1;
 
 void VulkanTest::SetUp() {
   RuntimeTest::SetUp();
-  // Kept open, so that a sanitizer can say whose its own leaks are.
+  // Kept open: unloaded, what the driver holds on to would look like a leak.
   dlopen("libvulkan_lvp.so", RTLD_NOW | RTLD_NODELETE);
   StartVulkan({XR_KHR_VULKAN_ENABLE_EXTENSION_NAME, XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME,
                XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME, XR_KHR_COMPOSITION_LAYER_CUBE_EXTENSION_NAME});
