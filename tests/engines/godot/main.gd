@@ -1,5 +1,6 @@
-# A relief on the base, felt and seen: Godot draws the glTF file that omnid makes forces of. What the right hand holds is drawn as a
-# pen. Godot knows nothing of Omni: the pen is a controller, bound by Godot's default action map.
+# A relief on the base, felt and seen: Godot draws the glTF file that omnid makes forces of, and in the right hand the model that OpenXR
+# gives it (XR_EXT_interaction_render_model), else a pen of its own. Godot knows nothing of Omni: the pen is a controller, bound by
+# Godot's default action map.
 #
 # Prints a JSON line per second, with what a game sees of the hand. With --port N (scripts/headset) it sends where the mouse leads
 # the pen, and shows the force that comes back; with --film FOLDER it saves a picture every 100 ms.
@@ -13,6 +14,8 @@ const UNSEEN := 0.001
 const LOWEST_m := 0.040
 
 var hand: XRController3D
+var pen: Node3D
+var models_shown := 0  # of the right hand
 var label: Label
 var arrow: MeshInstance3D
 var camera: Camera3D
@@ -61,11 +64,21 @@ func add_headset() -> void:
 	hand = XRController3D.new()
 	hand.tracker = "right_hand"
 	origin.add_child(hand)
-	var pen := Node3D.new()
+	pen = Node3D.new()
 	hand.add_child(pen)  # -Z out of the tip
 	pen.add_child(part(cone(0.0, 0.004, 0.014), Color(0.1, 0.1, 0.12), Vector3(0, 0, 0.007)))
 	pen.add_child(part(cone(0.004, 0.0045, 0.11), Color(0.92, 0.92, 0.9), Vector3(0, 0, 0.069)))
 	pen.add_child(part(cone(0.0047, 0.0047, 0.008), Color(0.95, 0.55, 0.1), Vector3(0, 0, 0.018)))
+	var models := OpenXRRenderModelManager.new()
+	models.tracker = OpenXRRenderModelManager.RENDER_MODEL_TRACKER_RIGHT_HAND
+	models.render_model_added.connect(show_model.bind(1))
+	models.render_model_removed.connect(show_model.bind(-1))
+	origin.add_child(models)
+
+
+func show_model(_model: OpenXRRenderModel, change: int) -> void:
+	models_shown += change
+	pen.visible = models_shown == 0
 
 
 func cone(front_m: float, back_m: float, length_m: float) -> Mesh:
@@ -178,7 +191,7 @@ func report() -> void:
 	var profile: String = tracker.profile if tracker != null else ""
 	var at := hand.global_position
 	print(JSON.stringify({"frames": frames, "profile": profile, "tracked": hand.get_has_tracking_data(), "presses": presses,
-		"pulses": pulses, "position_m": [at.x, at.y, at.z]}))
+		"pulses": pulses, "models": models_shown, "position_m": [at.x, at.y, at.z]}))
 
 
 # Both ways with scripts/headset, each packet a text: the aim out, the force in, in the base's own axes (z up).
