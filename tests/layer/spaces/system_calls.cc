@@ -57,6 +57,18 @@ int WithoutSystemCalls(Body body) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+// The same, tried again where a busy computer stops it for so long that the pen counts as gone.
+template <class Body>
+int WithFreshSamples(FakeService& service, Body body) {
+  int status = 0;
+  for (int i = 0; i < 20; ++i) {
+    service.Fill();
+    status = WithoutSystemCalls(body);
+    if (status == 0 || status >= kNoFilter) break;
+  }
+  return status;
+}
+
 TEST_F(SpacesSystemCalls, LocateSpaceMakesNoSystemCall) {
   if (kSanitized) GTEST_SKIP() << "a sanitizer makes system calls of its own";
   App app;
@@ -68,14 +80,15 @@ TEST_F(SpacesSystemCalls, LocateSpaceMakesNoSystemCall) {
   const int probe = WithoutSystemCalls([] { return static_cast<int>(syscall(SYS_getppid) == 0); });
   if (probe == kNoFilter) GTEST_SKIP() << "this kernel takes no seccomp filter";
   ASSERT_EQ(probe, 128 + SIGSYS) << "the probe itself must be able to fail";
-  EXPECT_EQ(WithoutSystemCalls([&] {
-              for (std::int64_t t = now - 50'000'000; t < now + 50'000'000; t += 500'000) {
-                if (Locate(pen, view, t).location.locationFlags != kSeen) return 1;
-                if (Locate(view, pen, t).location.locationFlags != kSeen) return 2;
-                if (Locate(pen, local, t).location.locationFlags != kSeen) return 3;
-              }
-              return 0;
-            }),
+  EXPECT_EQ(WithFreshSamples(service,
+                             [&] {
+                               for (std::int64_t t = now - 50'000'000; t < now + 50'000'000; t += 500'000) {
+                                 if (Locate(pen, view, t).location.locationFlags != kSeen) return 1;
+                                 if (Locate(view, pen, t).location.locationFlags != kSeen) return 2;
+                                 if (Locate(pen, local, t).location.locationFlags != kSeen) return 3;
+                               }
+                               return 0;
+                             }),
             0);
 }
 
@@ -86,16 +99,20 @@ TEST_F(SpacesSystemCalls, LocateSpaceOfAMovingBaseMakesNoSystemCall) {
   service.MoveBase([](protocol::BaseSample& sample) { sample.linear_velocity_space_m_s = {0.5, 0, 0}; });
   ForgetOldPath(app);
   ForgetOldPath(app);
+  service.Fill();
   const std::int64_t now = Now_ns();
   ASSERT_NEAR(Locate(pen, local, now - 20'000'000).v().x, 0.5, 1e-6) << "it follows the base";
   if (WithoutSystemCalls([] { return 0; }) == kNoFilter) GTEST_SKIP() << "this kernel takes no seccomp filter";
-  EXPECT_EQ(WithoutSystemCalls([&] {
-              for (std::int64_t t = now - 50'000'000; t < now + 50'000'000; t += 500'000) {
-                if ((Locate(pen, local, t).location.locationFlags & layer::kValid) != layer::kValid) return 1;
-                if ((Locate(local, pen, t).location.locationFlags & layer::kValid) != layer::kValid) return 2;
-              }
-              return 0;
-            }),
+  EXPECT_EQ(WithFreshSamples(service,
+                             [&] {
+                               for (std::int64_t t = now - 50'000'000; t < now + 50'000'000; t += 500'000) {
+                                 if ((Locate(pen, local, t).location.locationFlags & layer::kValid) != layer::kValid)
+                                   return 1;
+                                 if ((Locate(local, pen, t).location.locationFlags & layer::kValid) != layer::kValid)
+                                   return 2;
+                               }
+                               return 0;
+                             }),
             0);
 }
 
