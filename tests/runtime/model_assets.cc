@@ -68,23 +68,13 @@ XrResult CreateRenderModelAssetEXT(XrSession session, const XrRenderModelAssetCr
     auto created = std::make_shared<RenderModelAsset>();
     created->session = owner;
     created->hand = hand;
-    const uint64_t handle = state.handles.Insert(std::move(created));
-    owner->children.push_back(handle);
-    *asset = Handles::As<XrRenderModelAssetEXT>(handle);
+    *asset = AddChild<XrRenderModelAssetEXT>(state, *owner, std::move(created));
     return XR_SUCCESS;
   }
   return XR_ERROR_RENDER_MODEL_ASSET_UNAVAILABLE_EXT;
 }
 
-XrResult DestroyRenderModelAssetEXT(XrRenderModelAssetEXT asset) {
-  State& state = TheState();
-  const std::unique_lock lock(state.mutex);
-  const auto doomed = state.handles.Share<RenderModelAsset>(asset);
-  OMNI_REQUIRE(doomed != nullptr, XR_ERROR_HANDLE_INVALID);
-  std::erase(doomed->session->children, doomed->handle);
-  state.handles.Erase(doomed->handle);
-  return XR_SUCCESS;
-}
+XrResult DestroyRenderModelAssetEXT(XrRenderModelAssetEXT asset) { return DestroyChild<RenderModelAsset>(asset); }
 
 XrResult GetRenderModelAssetDataEXT(XrRenderModelAssetEXT asset, const XrRenderModelAssetDataGetInfoEXT*,
                                     XrRenderModelAssetDataEXT* out) {

@@ -70,21 +70,11 @@ XrResult CreateRenderModelEXT(XrSession session, const XrRenderModelCreateInfoEX
   created->id = info->renderModelId;
   for (const SessionModel& listed : owner->models)
     if (listed.id == created->id) created->hand = listed.hand;
-  const uint64_t handle = state.handles.Insert(std::move(created));
-  owner->children.push_back(handle);
-  *model = Handles::As<XrRenderModelEXT>(handle);
+  *model = AddChild<XrRenderModelEXT>(state, *owner, std::move(created));
   return XR_SUCCESS;
 }
 
-XrResult DestroyRenderModelEXT(XrRenderModelEXT model) {
-  State& state = TheState();
-  const std::unique_lock lock(state.mutex);
-  const auto doomed = state.handles.Share<RenderModel>(model);
-  OMNI_REQUIRE(doomed != nullptr, XR_ERROR_HANDLE_INVALID);
-  std::erase(doomed->session->children, doomed->handle);
-  state.handles.Erase(doomed->handle);
-  return XR_SUCCESS;
-}
+XrResult DestroyRenderModelEXT(XrRenderModelEXT model) { return DestroyChild<RenderModel>(model); }
 
 XrResult CreateRenderModelSpaceEXT(XrSession session, const XrRenderModelSpaceCreateInfoEXT* info, XrSpace* space) {
   State& state = TheState();
@@ -95,9 +85,7 @@ XrResult CreateRenderModelSpaceEXT(XrSession session, const XrRenderModelSpaceCr
   auto created = std::make_shared<Space>();
   created->session = owner;
   created->model = state.handles.Share<RenderModel>(info->renderModel);
-  const uint64_t handle = state.handles.Insert(std::move(created));
-  owner->children.push_back(handle);
-  *space = Handles::As<XrSpace>(handle);
+  *space = AddChild<XrSpace>(state, *owner, std::move(created));
   return XR_SUCCESS;
 }
 

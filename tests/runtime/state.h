@@ -47,6 +47,26 @@ inline XrResult Loss(const HandTracker& tracker) { return Loss(*tracker.session)
 inline XrResult Loss(const RenderModelAsset& asset) { return Loss(*asset.session); }
 inline XrResult Loss(const RenderModel& model) { return Loss(*model.session); }
 
+// A new object of a session, which ends with it. The caller holds the state exclusively.
+template <class Handle, class T>
+Handle AddChild(State& state, Session& session, std::shared_ptr<T> child) {
+  const uint64_t handle = state.handles.Insert(std::move(child));
+  session.children.push_back(handle);
+  return Handles::As<Handle>(handle);
+}
+
+// Allowed in a lost session too.
+template <class T, class Handle>
+XrResult DestroyChild(Handle handle) {
+  State& state = TheState();
+  const std::unique_lock lock(state.mutex);
+  const auto doomed = state.handles.template Share<T>(handle);
+  if (doomed == nullptr) return XR_ERROR_HANDLE_INVALID;
+  std::erase(doomed->session->children, doomed->handle);
+  state.handles.Erase(doomed->handle);
+  return XR_SUCCESS;
+}
+
 // The structure of that type in a chain, or nullptr.
 template <class T>
 T* InChain(void* next, XrStructureType type) {

@@ -44,12 +44,8 @@ constexpr const char* kPresence = XR_EXT_USER_PRESENCE_EXTENSION_NAME;
 
 struct Attempt {
   std::vector<std::string> ours;   // those of our extensions that are requested below
-  std::vector<const char*> added;  // for ourselves
+  std::vector<std::string> added;  // for ourselves
 };
-
-bool Adds(const Attempt& attempt, const char* name) {
-  return std::find(attempt.added.begin(), attempt.added.end(), name) != attempt.added.end();
-}
 
 struct Creation {
   const XrInstanceCreateInfo* info;
@@ -64,7 +60,7 @@ XrResult Try(const Creation& creation, const Attempt& attempt, XrInstance* insta
     const OurExtension* ours = FindOurs(name);
     if (!ours || Contains(attempt.ours, name)) names.push_back(name.c_str());
   }
-  names.insert(names.end(), attempt.added.begin(), attempt.added.end());
+  for (const std::string& name : attempt.added) names.push_back(name.c_str());
   XrInstanceCreateInfo info = *creation.info;
   info.enabledExtensionCount = static_cast<std::uint32_t>(names.size());
   info.enabledExtensionNames = names.data();
@@ -173,7 +169,8 @@ XrResult StepAside(const std::vector<std::string>& asked, const Attempt& done, c
     return FindOurs(name) && !Contains(done.ours, name);
   });
   if (!lacks_ours) {
-    Registry::Get().AddAside({*instance, next.GetInstanceProcAddr, next.DestroyInstance, Adds(done, kTimespec)});
+    Registry::Get().AddAside(
+        {*instance, next.GetInstanceProcAddr, next.DestroyInstance, Contains(done.added, kTimespec)});
     return XR_SUCCESS;
   }
   if (next.DestroyInstance) next.DestroyInstance(*instance);
@@ -209,8 +206,8 @@ XrResult CreateApiLayerInstance(const XrInstanceCreateInfo* info, const XrApiLay
   if (XR_VERSION_MAJOR(version) > 1 || XR_VERSION_MINOR(version) >= 1) setup.enabled.push_back("1.1");
   for (const std::string& name : creation.asked)
     if (const OurExtension* ours = FindOurs(name); ours && !Contains(done.ours, name)) setup.only_ours.push_back(name);
-  setup.hide_timespec = Adds(done, kTimespec);
-  setup.hide_presence = Adds(done, kPresence);
+  setup.hide_timespec = Contains(done.added, kTimespec);
+  setup.hide_presence = Contains(done.added, kPresence);
   setup.connection = ConnectionFor(info->applicationInfo);
   try {
     Registry::Get().Add(std::make_shared<Instance>(std::move(setup)));

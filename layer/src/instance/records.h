@@ -49,7 +49,7 @@ struct Space {
   XrReferenceSpaceType reference = XR_REFERENCE_SPACE_TYPE_MAX_ENUM;
   XrPath subaction = XR_NULL_PATH;
   Pose X_PS;                  // poseInActionSpace
-  bool focused_only = false;  // nobody serves it while the session is not focused: of the pen's render model
+  bool focused_only = false;  // not locatable while the session is not focused: of the pen's render model
   std::atomic<int> served_by{kServedByRuntime};
 };
 

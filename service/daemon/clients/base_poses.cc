@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <ctime>
+#include <string_view>
 #include <utility>
 
 #include "service/alignment/rigid.h"
@@ -82,14 +82,15 @@ config::AlignmentDrift Fresh(config::AlignmentDrift drift) {
   return drift;
 }
 
-bool SameNames(const protocol::HeadsetNames& a, const protocol::HeadsetNames& b) {
-  return std::strcmp(a.system, b.system) == 0 &&
+// Of an AlignmentEntry or of protocol::HeadsetNames.
+template <class Names>
+bool SameNames(const Names& a, const Names& b) {
+  return std::string_view(a.system) == b.system &&
          config::RuntimeIdentity(a.runtime) == config::RuntimeIdentity(b.runtime);
 }
 
 bool SameHeadset(const config::AlignmentEntry& a, const config::AlignmentEntry& b) {
-  return a.space == b.space && a.system == b.system &&
-         config::RuntimeIdentity(a.runtime) == config::RuntimeIdentity(b.runtime);
+  return a.space == b.space && SameNames(a, b);
 }
 
 }  // namespace

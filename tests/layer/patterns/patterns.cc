@@ -19,7 +19,7 @@
 namespace omni::test::patterns {
 
 const char* NameOf(Who who) {
-  return who == Who::kPen ? "the pen" : who == Who::kController ? "the controller" : "nobody";
+  return who == Who::kPen ? "the pen" : who == Who::kController ? "the controller" : "no device";
 }
 
 double Distance_m(const XrVector3f& a, const XrVector3f& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }

@@ -47,21 +47,11 @@ XrResult CreateHandTrackerEXT(XrSession session, const XrHandTrackerCreateInfoEX
   auto created = std::make_shared<HandTracker>();
   created->session = owner;
   created->hand = info->hand == XR_HAND_LEFT_EXT ? 0 : 1;
-  const uint64_t handle = state.handles.Insert(std::move(created));
-  owner->children.push_back(handle);
-  *tracker = Handles::As<XrHandTrackerEXT>(handle);
+  *tracker = AddChild<XrHandTrackerEXT>(state, *owner, std::move(created));
   return XR_SUCCESS;
 }
 
-XrResult DestroyHandTrackerEXT(XrHandTrackerEXT tracker) {
-  State& state = TheState();
-  const std::unique_lock lock(state.mutex);
-  const auto doomed = state.handles.Share<HandTracker>(tracker);
-  OMNI_REQUIRE(doomed != nullptr, XR_ERROR_HANDLE_INVALID);
-  std::erase(doomed->session->children, doomed->handle);
-  state.handles.Erase(doomed->handle);
-  return XR_SUCCESS;
-}
+XrResult DestroyHandTrackerEXT(XrHandTrackerEXT tracker) { return DestroyChild<HandTracker>(tracker); }
 
 XrResult LocateHandJointsEXT(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
                              XrHandJointLocationsEXT* out) {

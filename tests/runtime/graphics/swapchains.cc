@@ -67,22 +67,11 @@ XrResult CreateSwapchain(XrSession session, const XrSwapchainCreateInfo* info, X
   created->count = IsStatic(*info) ? 1 : kImages;
   const XrResult made = owner->graphics->CreateImages(*info, created->count, &created->images);
   if (XR_FAILED(made)) return made;
-  const uint64_t handle = state.handles.Insert(created);
-  owner->children.push_back(handle);
-  *swapchain = Handles::As<XrSwapchain>(handle);
+  *swapchain = AddChild<XrSwapchain>(state, *owner, created);
   return XR_SUCCESS;
 }
 
-// Allowed in a lost session too.
-XrResult DestroySwapchain(XrSwapchain swapchain) {
-  State& state = TheState();
-  const std::unique_lock lock(state.mutex);
-  const auto doomed = state.handles.Share<Swapchain>(swapchain);
-  OMNI_REQUIRE(doomed != nullptr, XR_ERROR_HANDLE_INVALID);
-  std::erase(doomed->session->children, doomed->handle);
-  state.handles.Erase(doomed->handle);
-  return XR_SUCCESS;
-}
+XrResult DestroySwapchain(XrSwapchain swapchain) { return DestroyChild<Swapchain>(swapchain); }
 
 XrResult EnumerateSwapchainImages(XrSwapchain swapchain, uint32_t capacity, uint32_t* count,
                                   XrSwapchainImageBaseHeader* images) {

@@ -18,9 +18,7 @@ std::vector<XrReferenceSpaceType> SupportedSpaces(const State& state, const Sess
 
 XrSpace Add(State& state, Session& session, std::shared_ptr<Space> space) {
   space->session = &session;
-  const uint64_t handle = state.handles.Insert(std::move(space));
-  session.children.push_back(handle);
-  return Handles::As<XrSpace>(handle);
+  return AddChild<XrSpace>(state, session, std::move(space));
 }
 
 XrResult CheckReferenceType(const State& state, const Session& session, XrReferenceSpaceType type) {
@@ -90,14 +88,6 @@ XrResult CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* inf
   return XR_SUCCESS;
 }
 
-XrResult DestroySpace(XrSpace space) {
-  State& state = TheState();
-  const std::unique_lock lock(state.mutex);
-  const auto doomed = state.handles.Share<Space>(space);
-  OMNI_REQUIRE(doomed != nullptr, XR_ERROR_HANDLE_INVALID);
-  std::erase(doomed->session->children, doomed->handle);
-  state.handles.Erase(doomed->handle);
-  return XR_SUCCESS;
-}
+XrResult DestroySpace(XrSpace space) { return DestroyChild<Space>(space); }
 
 }  // namespace omni::runtime
