@@ -65,7 +65,8 @@ struct ToolState {
   double chi2 = 0;                      // of this scan's fit, `dof` degrees of freedom
   int dof = 0;
   int iterations = 0;
-  double field_rms_T = 0;  // |B| of the tool over this scan's usable readings, root mean square
+  const char* hypothesis = nullptr;  // static: the tracker's name of what explained this scan; null: nothing did
+  double field_rms_T = 0;            // |B| of the tool over this scan's usable readings, root mean square
   // What the tracker believes has changed since the base was calibrated. For reports; poses already account for it.
   std::uint32_t sensors_left_out = 0;  // bit i: sensor i is ignored ...
   std::uint32_t sensors_disagree = 0;  // ... and disagreed with the others when last checked

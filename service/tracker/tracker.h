@@ -55,29 +55,44 @@ struct Config {
   double tilted_cos = 0.2588;  // kToolTilted: |cosine| between axis and radius below this (75 degrees)
 };
 
-struct State {
+// What is known of the pen.
+struct PoseState {
   bool ever_tracked = false;
-  bool warm = false;       // `filter` belongs to filter_t_ns and may start the next fit
-  int bad_scans = 0;       // in a row
-  bool explained = false;  // some pose fitted the last scan that was tried, in reach or not
-  int old_scans = 0;       // in a row: with the stamp of the previous scan
-  int cold_pause = 0;      // scans to wait before the next cold start
+  bool warm = false;  // `filter` belongs to filter_t_ns and may start the next fit
+  int bad_scans = 0;  // in a row
   std::int64_t filter_t_ns = 0;
-  std::uint32_t scans = 0;
   std::uint32_t cold_scan = 0;  // the last whose pose was found by a cold start
   FilterState filter;
+  base::ToolState published;  // the last output
+};
+
+// What is known of base and room, the same for many scans.
+struct RoomState {
+  std::uint32_t scans = 0;
+  int old_scans = 0;  // in a row: with the stamp of the previous scan
+  CurrentHistory currents;
+  Repetition repetition;
   DriftState drift;
+  DriftEvidence evidence;  // of the last scan, used by the next, so that no scan pays for both
   Magnet magnet;
   Mains mains;
   Doubt doubt;
-  Repetition repetition;
   StrayField stray;
   Away away;
+};
+
+// Of the search for an explanation, over several scans.
+struct SearchState {
+  bool explained = false;           // some pose fitted the last scan that was tried, in reach or not
+  int cold_pause = 0;               // scans to wait before the next cold start
+  int cold_row = 0, cold_time = 0;  // of the next one: its hypothesis, and which time of it
   PairStart pair;
-  int belief = 0;          // of the next cold start
-  DriftEvidence evidence;  // of the last scan, used by the next, so that no scan pays for both
-  CurrentHistory currents;
-  base::ToolState published;  // the last output
+};
+
+struct State {
+  PoseState pose;
+  RoomState room;
+  SearchState search;
 };
 static_assert(std::is_trivially_copyable_v<State>);
 

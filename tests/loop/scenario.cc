@@ -44,7 +44,7 @@ TEST(LoopScenario, PenIsTrackedAndPushedBackByATable) {
 TEST(LoopScenario, PenInContactIsNotClassifiedAsAtRest) {
   const haptics::Scene table = TableScene(kTableTop_m);
   Scenario scenario(PressAndSlide(), 2.3);
-  const auto at_rest = [&] { return scenario.state.tracker.filter.motions.likely[tracker::kAtRest]; };
+  const auto at_rest = [&] { return scenario.state.tracker.pose.filter.motions.likely[tracker::kAtRest]; };
   double in_air = 0, in_touch = 0;
   while (scenario.Step(table)) {
     const bool in_touch_long = scenario.state.tick > 1900 && scenario.force_N() > 0.1;

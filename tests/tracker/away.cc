@@ -55,11 +55,12 @@ class TrackerAway : public testing::TestWithParam<std::uint64_t> {
     for (double s = 0; s < seconds; s += kStep_s) Feed();
   }
   double AmbientError_T() const {
-    return (Vector3d(state.drift.mean[3], state.drift.mean[4], state.drift.mean[5]) - ambient_base_T).norm();
+    return (Vector3d(state.room.drift.mean[3], state.room.drift.mean[4], state.room.drift.mean[5]) - ambient_base_T)
+        .norm();
   }
   double LearntZeros_T() const {
     double sum = 0;
-    for (const double value : state.away.zero_T) sum += value * value;
+    for (const double value : state.room.away.zero_T) sum += value * value;
     return std::sqrt(sum / kReadings);
   }
   // Error of the readings beside the uniform part and that of the core's shape, which other states hold.
@@ -80,7 +81,7 @@ TEST_P(TrackerAway, UniformAmbientFieldIsFollowed) {
 TEST_P(TrackerAway, DriftingSensorZerosAreSubtracted) {
   DriftZeros(5e-6);
   Run(10);
-  EXPECT_TRUE(state.away.learnt);
+  EXPECT_TRUE(state.room.away.learnt);
   EXPECT_LT(Field_T(), 2.5e-6) << "noise of three axes, and what is left";
   for (int minute = 0; minute < 3; ++minute) {
     DriftZeros(2e-7);
@@ -93,14 +94,14 @@ TEST_P(TrackerAway, DriftingSensorZerosAreSubtracted) {
 TEST_P(TrackerAway, ApproachingMagnetIsNotLearntAsSensorZero) {
   ambient_base_T = 20e-6 * support::RandomUnit(rng);
   Run(5);
-  const ReadingLanes before_T = state.away.zero_T;
+  const ReadingLanes before_T = state.room.away.zero_T;
   for (const double away_m : {0.6, 0.5, 0.4, 0.3}) {
     SCOPED_TRACE(away_m);
     pen_away_m = away_m;
     Run(20);
     double most_T = 0;
     for (std::size_t a = 0; a < kReadings; ++a) {
-      most_T = std::max(most_T, std::abs(state.away.zero_T[a] - before_T[a]));
+      most_T = std::max(most_T, std::abs(state.room.away.zero_T[a] - before_T[a]));
     }
     EXPECT_LT(most_T, 1e-7);
     EXPECT_LT(AmbientError_T(), 1e-6);
@@ -114,7 +115,7 @@ TEST_P(TrackerAway, MagnetPresentFromTheStartIsNotLearntAsSensorZero) {
     pen_away_m = away_m;
     state = {};
     Run(20);
-    EXPECT_FALSE(state.away.learnt);
+    EXPECT_FALSE(state.room.away.learnt);
   }
 }
 

@@ -79,8 +79,8 @@ class TrackerDoubt : public testing::TestWithParam<std::uint64_t> {
     return silent;
   }
   void ExpectOtherPenFound(double relative) const {
-    ASSERT_TRUE(state.stray.dipole.found);
-    const Eigen::Map<const Vector3d> at_m(state.stray.dipole.parameters.data()), moment_Am2(at_m.data() + 3);
+    ASSERT_TRUE(state.room.stray.dipole.found);
+    const Eigen::Map<const Vector3d> at_m(state.room.stray.dipole.parameters.data()), moment_Am2(at_m.data() + 3);
     const Vector3d there_m = other_pen_away_m * other_pen_direction;
     EXPECT_LT((at_m - there_m).norm(), relative * there_m.norm());
     EXPECT_LT((moment_Am2 - other_pen_Am2).norm(), 3 * relative * other_pen_Am2.norm());
@@ -136,7 +136,7 @@ TEST_P(TrackerDoubt, AmbientFieldJumpIsFollowedWithinTwentyScans) {
 TEST_P(TrackerDoubt, FieldJumpsWithinAScanDoNotCreateAStrayMagnet) {
   for (int i = 0; i < 500; ++i) Feed();
   for (int jump = 0; jump < 6; ++jump) {
-    if (!state.stray.on) StartStray(config.stray, config.model, state.stray);
+    if (!state.room.stray.on) StartStray(config.stray, config.model, state.room.stray);
     const Vector3d before_T = ambient_base_T;
     ambient_base_T = jump % 2 == 0 ? Vector3d(6e-5 * Direction()) : Vector3d::Zero();
     fault = [&](base::HallScan& scan) {  // the first half was sampled before
@@ -149,7 +149,7 @@ TEST_P(TrackerDoubt, FieldJumpsWithinAScanDoNotCreateAStrayMagnet) {
     int lost = 0;
     for (int i = 0; i < 1000; ++i) lost += Feed() ? 0 : 1;
     EXPECT_LE(lost, 1) << jump;
-    EXPECT_FALSE(state.stray.believed) << jump;
+    EXPECT_FALSE(state.room.stray.believed) << jump;
     EXPECT_LT(Sigma_m(), 1e-3) << jump;
   }
 }
@@ -202,11 +202,11 @@ TEST_P(TrackerDoubt, FaultySensorIsExcludedUntilItRecovers) {
     EXPECT_EQ(later.lost, 0);
     EXPECT_EQ(later.silent, 0);
     EXPECT_LT(later.mean_m, 2 * undisturbed_m);
-    EXPECT_EQ(state.doubt.left_out, sensor);
+    EXPECT_EQ(state.room.doubt.left_out, sensor);
     fault = [](base::HallScan&) {};
     const Outcome right = Run(6000);
     EXPECT_EQ(right.lost, 0);
-    EXPECT_EQ(state.doubt.left_out, -1);
+    EXPECT_EQ(state.room.doubt.left_out, -1);
     EXPECT_LT(right.mean_m, 1.5 * undisturbed_m);
   }
 }
@@ -222,13 +222,13 @@ TEST_P(TrackerDoubt, SmallGainErrorIsNotTakenForAMagnet) {
       const bool tracked = Feed();
       EXPECT_TRUE(tracked || i < 20);
       EXPECT_TRUE(!tracked || Error_m() < 5 * Sigma_m());
-      EXPECT_FALSE(state.stray.dipole.found);
+      EXPECT_FALSE(state.room.stray.dipole.found);
     }
-    EXPECT_EQ(state.doubt.left_out, static_cast<int>(sensor));
+    EXPECT_EQ(state.room.doubt.left_out, static_cast<int>(sensor));
     EXPECT_LT(Run(2000).mean_m, 1.5 * undisturbed_m);
     fault = [](base::HallScan&) {};
     Run(15000);
-    EXPECT_EQ(state.doubt.left_out, -1);
+    EXPECT_EQ(state.room.doubt.left_out, -1);
   }
 }
 
@@ -243,11 +243,11 @@ TEST_P(TrackerDoubt, SmallGainErrorDoesNotReadmitAStuckSensor) {
     Scale(gain, scan.field_sensor_T[wrong]);
   };
   Run(500);
-  ASSERT_EQ(state.doubt.left_out, static_cast<int>(stuck));
+  ASSERT_EQ(state.room.doubt.left_out, static_cast<int>(stuck));
   gain = 1.02;
   for (int i = 0; i < 5000; ++i) {
     const bool tracked = Feed();
-    EXPECT_EQ(state.doubt.left_out, static_cast<int>(stuck));
+    EXPECT_EQ(state.room.doubt.left_out, static_cast<int>(stuck));
     EXPECT_TRUE(!tracked || Error_m() < 5 * Sigma_m());
   }
 }
@@ -260,7 +260,7 @@ TEST_P(TrackerDoubt, StuckSensorIsExcludedWithoutLosingThePose) {
   const Outcome outcome = Run(1000);
   EXPECT_EQ(outcome.lost, 0);
   EXPECT_EQ(outcome.silent, 0);
-  EXPECT_EQ(state.doubt.left_out, static_cast<int>(sensor));
+  EXPECT_EQ(state.room.doubt.left_out, static_cast<int>(sensor));
 }
 
 // The stamp advances, but nothing is measured: no single sensor is to blame, and no pose is accepted.
@@ -296,7 +296,7 @@ TEST_P(TrackerDoubt, NoStrayMagnetIsReportedWithoutOne) {
   Run(5000);
   ambient_base_T = 2e-5 * Direction();
   Run(5000);
-  EXPECT_FALSE(state.stray.believed);
+  EXPECT_FALSE(state.room.stray.believed);
 }
 
 TEST_P(TrackerDoubt, NearbyPenIsEstimatedAndSubtracted) {
@@ -316,7 +316,7 @@ TEST_P(TrackerDoubt, NearbyPenIsEstimatedAndSubtracted) {
     const Outcome unlearnt = beside_it(false);
     state = before, rng = drawn, tick = started;
     const Outcome learnt = beside_it(true);
-    EXPECT_TRUE(state.stray.believed);
+    EXPECT_TRUE(state.room.stray.believed);
     EXPECT_EQ(learnt.lost, 0);
     EXPECT_EQ(learnt.silent, 0);
     EXPECT_LT(learnt.mean_m, 4 * undisturbed_m);
@@ -346,7 +346,7 @@ TEST_P(TrackerDoubt, PenPlacedBesideARestingPenIsFound) {
   EXPECT_EQ(found.silent, 0);
   EXPECT_LT(found.mean_m, 1e-3);
   ExpectOtherPenFound(0.1);
-  EXPECT_EQ(state.doubt.left_out, -1);
+  EXPECT_EQ(state.room.doubt.left_out, -1);
 }
 
 // A magnet explains other readings than those of a sensor that was left out before it came.
@@ -364,15 +364,15 @@ TEST_P(TrackerDoubt, NearbyPenDoesNotReadmitAFaultySensor) {
     held = NextScan().field_sensor_T[sensor];
     fault = [&](base::HallScan& scan) { wrong.change(scan.field_sensor_T[sensor]); };
     Run(3000);
-    ASSERT_EQ(state.doubt.left_out, static_cast<int>(sensor));
+    ASSERT_EQ(state.room.doubt.left_out, static_cast<int>(sensor));
     DrawOtherPen();
     EXPECT_LE(CarryOtherPen(1, 0.3), 20);
     for (int i = 0; i < 5000; ++i) {
       EXPECT_TRUE(Feed());
       EXPECT_LT(Error_m(), 5 * Sigma_m());
-      EXPECT_EQ(state.doubt.left_out, static_cast<int>(sensor));
+      EXPECT_EQ(state.room.doubt.left_out, static_cast<int>(sensor));
     }
-    EXPECT_TRUE(state.stray.dipole.found);
+    EXPECT_TRUE(state.room.stray.dipole.found);
     other_pen_away_m = 0;
     fault = [](base::HallScan&) {};
   }
@@ -391,7 +391,7 @@ TEST_P(TrackerDoubt, FaultySensorIsExcludedBesideANearbyPen) {
     const Outcome outcome = Run(3000);
     EXPECT_LT(outcome.lost, 20);
     EXPECT_EQ(outcome.silent, 0);
-    EXPECT_EQ(state.doubt.left_out, static_cast<int>(sensor));
+    EXPECT_EQ(state.room.doubt.left_out, static_cast<int>(sensor));
     other_pen_away_m = 0;
     fault = [](base::HallScan&) {};
   }
@@ -403,10 +403,10 @@ TEST_P(TrackerDoubt, ImplausibleStrayMagnetIsSearchedForAgain) {
   DrawOtherPen();
   CarryOtherPen(1, 0.3);
   Run(3000);
-  ASSERT_TRUE(state.stray.dipole.found);
+  ASSERT_TRUE(state.room.stray.dipole.found);
   for (std::size_t k = 0; k < 3; ++k) {
-    state.stray.dipole.parameters[k] *= 0.4;
-    state.stray.dipole.covariance[7 * k] = 1e-6;
+    state.room.stray.dipole.parameters[k] *= 0.4;
+    state.room.stray.dipole.covariance[7 * k] = 1e-6;
   }
   EXPECT_LE(Run(100).lost, 0);
   EXPECT_LE(Run(3000).lost, 0);
@@ -483,7 +483,7 @@ TEST_P(TrackerDoubt, TracksAndReportsAnOverconfidentCalibration) {
   EXPECT_EQ(outcome.lost, 0);
   EXPECT_LT(outcome.mean_m, 1.5e-3);
   EXPECT_EQ(outcome.silent, 0);
-  EXPECT_TRUE(state.doubt.model_error > 2e-3 || state.stray.believed);
+  EXPECT_TRUE(state.room.doubt.model_error > 2e-3 || state.room.stray.believed);
 }
 
 TEST_P(TrackerDoubt, ThreeSensorsAreTooFew) {

@@ -70,7 +70,7 @@ TEST_F(TrackerDrift, MomentFollowsAWarmingMagnet) {
   warm.moment_Am2 *= 0.985;  // 12 K
   world = MakeModel(warm);
   EXPECT_LT(RunMoving_m(4), 1.3 * undisturbed_m);
-  EXPECT_NEAR(MomentScale(state.drift), 0.985, 0.003);
+  EXPECT_NEAR(MomentScale(state.room.drift), 0.985, 0.003);
   config.drift.enabled = false;
   EXPECT_GT(RunMoving_m(1), 1.5 * undisturbed_m);
 }
@@ -85,7 +85,7 @@ TEST_F(TrackerDrift, MomentOfATrackedPenStaysWithinItsBounds) {
   for (int i = 1000; i < 3000; ++i) {
     Move(1e-3 * i);
     Feed(NextScan());
-    ASSERT_LE(std::abs(MomentScale(state.drift) - 1), 0.05 + 1e-12);
+    ASSERT_LE(std::abs(MomentScale(state.room.drift) - 1), 0.05 + 1e-12);
   }
 }
 

@@ -76,14 +76,14 @@ class TrackerMains : public testing::Test {
 
 TEST_F(TrackerMains, MainsFieldIsSubtracted) {
   const double undisturbed_m = FreshRun_m(4);
-  EXPECT_FALSE(state.mains.found);
+  EXPECT_FALSE(state.room.mains.found);
   amplitude_T = 2e-6;
   for (const double mains_Hz : {50.0, 60.0, 49.85, 60.2}) {
     SCOPED_TRACE(mains_Hz);
     frequency_Hz = mains_Hz;
     config.mains.enabled = true;
     EXPECT_LT(FreshRun_m(4), 1.3 * undisturbed_m);
-    EXPECT_NEAR(state.mains.tones[0].frequency_Hz, mains_Hz, 0.06);
+    EXPECT_NEAR(state.room.mains.tones[0].frequency_Hz, mains_Hz, 0.06);
     config.mains.enabled = false;
     EXPECT_GT(FreshRun_m(3), 1.9 * undisturbed_m);
   }
@@ -93,9 +93,9 @@ TEST_F(TrackerMains, MainsFieldAndThirdHarmonicAreEstimated) {
   amplitude_T = 2e-6;
   third = 0.3;
   FreshRun_m(3);
-  ASSERT_TRUE(state.mains.found);
-  EXPECT_TRUE(state.mains.tones[1].believed);
-  const AmbientChange change = FieldOfMains(state.mains);
+  ASSERT_TRUE(state.room.mains.found);
+  EXPECT_TRUE(state.room.mains.tones[1].believed);
+  const AmbientChange change = FieldOfMains(state.room.mains);
   const Vector3d found_T(change.field_T[0], change.field_T[1], change.field_T[2]);
   EXPECT_LT((found_T - MainsAt(t_ns)).norm(), 0.3 * amplitude_T);
 }
@@ -108,7 +108,7 @@ TEST_F(TrackerMains, WeakMainsToneIsRetained) {
   int known = 0;
   for (int second = 0; second < 30; ++second) {
     Run_m(1);
-    known += state.mains.tones[0].believed ? 1 : 0;
+    known += state.room.mains.tones[0].believed ? 1 : 0;
   }
   EXPECT_GE(known, 29);
 }
@@ -135,27 +135,27 @@ TEST_F(TrackerMains, MainsFieldIsExtrapolatedToEachSensorsInstant) {
 TEST_F(TrackerMains, MainsToneIsDroppedWhenItEnds) {
   amplitude_T = 2e-6;
   FreshRun_m(2);
-  ASSERT_TRUE(state.mains.found);
+  ASSERT_TRUE(state.room.mains.found);
   amplitude_T = 0;
   Run_m(2);
-  EXPECT_FALSE(state.mains.found);
+  EXPECT_FALSE(state.room.mains.found);
 }
 
 TEST_F(TrackerMains, PauseOrBackwardClockResetsTheTones) {
   amplitude_T = 2e-6;
   FreshRun_m(2);
-  ASSERT_TRUE(state.mains.found);
-  AdvanceMains(config.mains, state.mains.t_ns + 1'000'000'000, state.mains);
-  EXPECT_FALSE(state.mains.found);
-  AdvanceMains(config.mains, state.mains.t_ns - 1, state.mains);  // a clock that goes back
-  EXPECT_EQ(FieldOfMains(state.mains).field_T, (std::array<double, 3>{}));
+  ASSERT_TRUE(state.room.mains.found);
+  AdvanceMains(config.mains, state.room.mains.t_ns + 1'000'000'000, state.room.mains);
+  EXPECT_FALSE(state.room.mains.found);
+  AdvanceMains(config.mains, state.room.mains.t_ns - 1, state.room.mains);  // a clock that goes back
+  EXPECT_EQ(FieldOfMains(state.room.mains).field_T, (std::array<double, 3>{}));
 }
 
 TEST_F(TrackerMains, NoToneIsFoundWithoutMains) {
   state = {};
   for (int n = 0; n < 20'000; ++n) {
     Update(config, NextScan(), state, tool);
-    ASSERT_FALSE(state.mains.found);
+    ASSERT_FALSE(state.room.mains.found);
   }
 }
 
@@ -168,7 +168,7 @@ TEST_F(TrackerMains, FieldStepsAndBaseTurnsAreNotTakenForMains) {
       steady_T = ((n / 1000) % 2 == 0 ? size_T : 0) * direction;
       if (n > 4000) steady_T = 5e-5 * Vector3d(std::cos(1.5e-3 * n), std::sin(1.5e-3 * n), 0);
       Update(config, NextScan(), state, tool);
-      ASSERT_FALSE(state.mains.found) << n;
+      ASSERT_FALSE(state.room.mains.found) << n;
     }
   }
 }

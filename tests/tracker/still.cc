@@ -72,12 +72,12 @@ TEST_F(TrackerStill, EstimateOfARestingPenDoesNotCreep) {
   Move(5);
   pose = {{0.02, 0.01, 0.055}, Vector3d(0.2, 0.1, -1).normalized()};
   Lie(3);
-  ASSERT_TRUE(state.drift.still.referenced);
+  ASSERT_TRUE(state.room.drift.still.referenced);
   const Vector3d first_m = Lie(10);
-  const DriftVector mean = state.drift.mean;
+  const DriftVector mean = state.room.drift.mean;
   Lie(40);
   EXPECT_LT((Lie(10) - first_m).norm(), 2e-5);
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(state.drift.mean[k], mean[k], 2e-4);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(state.room.drift.mean[k], mean[k], 2e-4);
 }
 
 TEST_F(TrackerStill, SlowAmbientChangeIsFollowedAtRest) {
@@ -85,10 +85,10 @@ TEST_F(TrackerStill, SlowAmbientChangeIsFollowedAtRest) {
   pose = {{0.02, 0.01, 0.085}, Vector3d(0.2, 0.1, -1).normalized()};
   Lie(3);
   const Vector3d first_m = Lie(10);
-  const auto before_T = AmbientField_T(state.drift);
+  const auto before_T = AmbientField_T(state.room.drift);
   Lie(30, {5e-8, -3e-8, 2e-8});  // 1.5 uT in half a minute
   EXPECT_LT((Lie(10) - first_m).norm(), 2e-4);
-  const auto after_T = AmbientField_T(state.drift);
+  const auto after_T = AmbientField_T(state.room.drift);
   EXPECT_NEAR(after_T[0] - before_T[0], 1.5e-6, 2e-7);
 }
 
@@ -112,10 +112,10 @@ TEST_F(TrackerStill, NoiseIsNotTakenForMovement) {
   Move(5);
   pose = {{0.02, 0.01, 0.09}, Vector3d(0.2, 0.1, -1).normalized()};
   Lie(3);
-  ASSERT_TRUE(state.drift.still.referenced);
-  const double still_s = state.drift.still.still_s;
+  ASSERT_TRUE(state.room.drift.still.referenced);
+  const double still_s = state.room.drift.still.still_s;
   Lie(120);
-  EXPECT_NEAR(state.drift.still.still_s, still_s + 120, 0.1);
+  EXPECT_NEAR(state.room.drift.still.still_s, still_s + 120, 0.1);
 }
 
 // A drawer is opened. The model's error where the pen lies stays as it was.
@@ -127,7 +127,7 @@ TEST_F(TrackerStill, FieldJumpDoesNotMoveTheRestingPose) {
   for (const double size_T : {5e-6, -20e-6}) {
     ambient_base_T += Vector3d(size_T, size_T, -size_T);
     Lie(2);
-    EXPECT_TRUE(state.drift.still.referenced);
+    EXPECT_TRUE(state.room.drift.still.referenced);
     EXPECT_LT((Lie(5) - first_m).norm(), 3e-5);
   }
 }
@@ -135,9 +135,9 @@ TEST_F(TrackerStill, FieldJumpDoesNotMoveTheRestingPose) {
 TEST_F(TrackerStill, MovingPenIsNoLongerStill) {
   Move(2);
   Lie(3);
-  ASSERT_TRUE(state.drift.still.referenced);
+  ASSERT_TRUE(state.room.drift.still.referenced);
   Move(0.2);
-  EXPECT_FALSE(state.drift.still.referenced);
+  EXPECT_FALSE(state.room.drift.still.referenced);
 }
 
 // Two scans at one instant, the first of those at rest.
@@ -155,13 +155,13 @@ TEST_F(TrackerStill, AcceptsScansWithoutElapsedTime) {
 TEST_F(TrackerStill, RestDoesNotShrinkTheCovariance) {
   Move(5);
   Lie(3);
-  ASSERT_TRUE(state.drift.still.referenced);
-  const DriftMatrix before = state.drift.covariance;
+  ASSERT_TRUE(state.room.drift.still.referenced);
+  const DriftMatrix before = state.room.drift.covariance;
   Lie(20);
   for (std::size_t a = 0; a < kDriftStates; ++a) {
     const std::size_t e = a * (kDriftStates + 1);
-    EXPECT_GE(state.drift.covariance[e], 0.99 * state.drift.still.reference_covariance[e]);
-    EXPECT_LE(state.drift.covariance[e], 1.5 * before[e]);
+    EXPECT_GE(state.room.drift.covariance[e], 0.99 * state.room.drift.still.reference_covariance[e]);
+    EXPECT_LE(state.room.drift.covariance[e], 1.5 * before[e]);
   }
 }
 

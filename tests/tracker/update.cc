@@ -345,7 +345,7 @@ TEST_F(TrackerUpdate, ClockJumpsKeepThePose) {
   Run(50);
   for (const std::int64_t jump : {std::int64_t{0}, std::int64_t{-5'000'000}, std::int64_t{3'000'000'000}}) {
     base::HallScan scan = NextScan();
-    t_ns = scan.t_ns = state.filter_t_ns + jump;
+    t_ns = scan.t_ns = state.pose.filter_t_ns + jump;
     Feed(scan);
     EXPECT_EQ(tool.status, TrackingStatus::kTracking);
     EXPECT_LT(Error_m(), 1e-3);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/base/stamp.h"
 #include "service/tracker/kernel/cholesky.h"
 
 namespace omni::tracker {
@@ -14,7 +15,8 @@ constexpr std::size_t kAmbient = base::kCoilCount;         // the first of three
 constexpr double kMemory = 0.1;                            // share of the newest innovation in the mean of those before
 constexpr double kMoves = 0.1, kModelLasts = 0.6;          // of that mean, squared: the wander grows ...
 constexpr double kWanderGrows = 2, kWanderShrinks = 0.98;  // ... by so much
-constexpr double kJump = 10;                               // of one innovation: once in a million, were it no jump
+constexpr double kCurrentStepMax_A = 1e3, kForgetMax_s = 1e6;
+constexpr double kJump = 10;  // of one innovation: once in a million, were it no jump
 
 using StateRow = DriftEvidence::Row;
 
@@ -346,6 +348,22 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
   }
   drift.step_s = dt_s;
   drift.valid = true;
+}
+
+void PredictDriftTo(const DriftNoise& noise, std::int64_t t_ns,
+                    const std::array<double, base::kCoilCount>& coil_current_A, const PenPlace* pen,
+                    DriftState& drift) noexcept {
+  std::array<double, base::kCoilCount> step_A{};
+  double sum_A = 0;
+  for (std::size_t k = 0; k < step_A.size(); ++k) {
+    step_A[k] = coil_current_A[k] - drift.coil_current_A[k];
+    sum_A += std::abs(step_A[k]);
+  }
+  const bool plausible = sum_A <= kCurrentStepMax_A;
+  if (!plausible) step_A = {};
+  PredictDrift(noise, std::clamp(base::Elapsed_s(t_ns, drift.t_ns), 0.0, kForgetMax_s), step_A, pen, drift);
+  drift.t_ns = t_ns;
+  if (plausible) drift.coil_current_A = coil_current_A;
 }
 
 DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,

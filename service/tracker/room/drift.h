@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <type_traits>
 
 #include "service/tracker/kernel/measurement.h"
@@ -86,6 +87,12 @@ void FollowCore(const DriftNoise& noise, const std::array<double, base::kCoilCou
 // last correction; the sensors' errors in it are added. pen: null: it may be anywhere.
 void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
                   const PenPlace* pen, DriftState& drift) noexcept;
+
+// The same to a scan's time: since the prediction before, and the current's step since then. coil_current_A: of the
+// scan; what no current can be counts as no step.
+void PredictDriftTo(const DriftNoise& noise, std::int64_t t_ns,
+                    const std::array<double, base::kCoilCount>& coil_current_A, const PenPlace* pen,
+                    DriftState& drift) noexcept;
 
 // Number of scans, step_s apart, in which the model's own error is the same: n of (18).
 double RepeatsOf(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept;

@@ -7,6 +7,6 @@
 namespace omni::tracker {
 
 // frozen: every sensor repeats itself. Call after the scan's pose is in `tool`.
-void ReportFindings(const State& state, bool frozen, base::ToolState& tool) noexcept;
+void ReportFindings(const RoomState& room, bool frozen, base::ToolState& tool) noexcept;
 
 }  // namespace omni::tracker

@@ -70,7 +70,7 @@ class BestFew {
  public:
   explicit BestFew(int wanted) noexcept : wanted_(std::clamp(wanted, 1, kColdCandidatesMax)) {}
 
-  void StiffnessBound(const Candidate& candidate) noexcept {
+  void Insert(const Candidate& candidate) noexcept {
     if (!(candidate.explained > 0 && candidate.moment.squaredNorm() > 0)) return;  // NaN included
     if (count_ == wanted_ && !(candidate.explained > few_[last()].explained)) return;
     if (count_ < wanted_) ++count_;
@@ -101,9 +101,9 @@ ColdCandidates RankGrid(const Model& model, const BasicMeasurement<kCapacity>& m
     kernel.score(model.grid.field_sensor.data() + group_size * static_cast<std::size_t>(first / kGridLanes),
                  input.task(), scores);
     for (int lane = 0; lane < std::min(kGridLanes, model.grid.places - first); ++lane) {
-      best.StiffnessBound({scores.explained[lane],
-                           first + lane,
-                           {scores.moment_Am2[0][lane], scores.moment_Am2[1][lane], scores.moment_Am2[2][lane]}});
+      best.Insert({scores.explained[lane],
+                  first + lane,
+                  {scores.moment_Am2[0][lane], scores.moment_Am2[1][lane], scores.moment_Am2[2][lane]}});
     }
   }
   ColdCandidates result;

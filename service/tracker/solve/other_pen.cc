@@ -107,7 +107,7 @@ Outcome SeekOtherPen(const ScanContext& context, const Doubt& doubt, DriftState&
                      Magnet& magnet) noexcept {
   const DriftState before = drift;
   Outcome outcome;
-  const ColdCandidates candidates = RankGrid(context.config.model, MeasureScan(context, drift, doubt), kMomentStarts);
+  const ColdCandidates candidates = RankGrid(context.config.model, measurement, kMomentStarts);
   for (std::size_t c = 0; c < static_cast<std::size_t>(candidates.count) && !outcome.good; ++c) {
     drift = before;
     SeekMoment(context, doubt, candidates.poses[c], drift, measurement, outcome, magnet);
@@ -154,16 +154,16 @@ void MeetMagnet(const ScanContext& context, const DriftState& before, const Doub
   IdentifyMagnet(options, drift, magnet);
 }
 
-bool IsOneMagnet(const ScanContext& context, const State& state, const Fit& found) noexcept {
-  if (state.magnet.identified) return false;
+bool IsOneMagnet(const ScanContext& context, const RoomState& room, const Fit& found) noexcept {
+  if (room.magnet.identified) return false;
   ScanContext bare = context;
   bare.stray = nullptr;
-  DriftState drift = state.drift;
+  DriftState drift = room.drift;
   OpenAmbient(context.config.drift, drift);
   Measurement measurement;
   Fit fit;
-  Magnet unused = state.magnet;
-  return FollowMoment(bare, state.doubt, found.pose, drift, measurement, fit, unused);
+  Magnet unused = room.magnet;
+  return FollowMoment(bare, room.doubt, found.pose, drift, measurement, fit, unused);
 }
 
 }  // namespace omni::tracker

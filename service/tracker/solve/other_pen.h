@@ -1,12 +1,12 @@
 // Pose and moment of a pen that may be another one than before. docs/theory/tracking.md, Other pens
 #pragma once
 
-#include "service/tracker/solve/scan_context.h"
+#include "service/tracker/stages/scan_context.h"
 
 namespace omni::tracker {
 
-// Pose and moment without a hint, in the ambient field of `drift`. If it is good, `drift` holds the moment, and
-// `measurement` is of it.
+// Pose and moment without a hint, in the ambient field of `drift`, of which `measurement` is. If it is good, `drift`
+// holds the moment, and `measurement` is of it.
 Outcome SeekOtherPen(const ScanContext& context, const Doubt& doubt, DriftState& drift, Measurement& measurement,
                      Magnet& magnet) noexcept;
 
@@ -17,6 +17,6 @@ void MeetMagnet(const ScanContext& context, const DriftState& before, const Doub
                 Measurement& measurement, Outcome& outcome, Magnet& magnet) noexcept;
 
 // At a meeting: would one magnet do, whatever its moment, where a pen and a magnet have been found?
-bool IsOneMagnet(const ScanContext& context, const State& state, const Fit& found) noexcept;
+bool IsOneMagnet(const ScanContext& context, const RoomState& room, const Fit& found) noexcept;
 
 }  // namespace omni::tracker

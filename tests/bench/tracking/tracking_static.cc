@@ -125,7 +125,7 @@ tracker::State WarmState(sim::Rig& rig, const tracker::Config& config, std::uint
   tracker::State state;
   base::ToolState tool;
   for (const sim::TraceRow& row : sim::RecordTrace(rig, options)) tracker::Update(config, row.scan, state, tool);
-  state.warm = false;
+  state.pose.warm = false;
   return state;
 }
 
@@ -182,7 +182,7 @@ base::Result<BenchRows> Efficiencies(const TrackingPlan& plan) {
       for (std::size_t i = 0; i < count; ++i) {
         const sim::MagnetPose truth = rig.DrawPose({}, random);
         base::HallScan scan = rig.Scan(&truth, {}, random);
-        if (is_warm) scan.t_ns = state.filter_t_ns + 100'000'000;
+        if (is_warm) scan.t_ns = state.pose.filter_t_ns + 100'000'000;
         const tracker::StaticPose solved = is_product ? TrackScan(product, scan, state) : SolveScan(*solver, scan);
         AddSolved(truth, solved, errors);
         sum.Add(rig, truth, solved);

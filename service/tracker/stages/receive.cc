@@ -1,0 +1,42 @@
+#include "service/tracker/stages/receive.h"
+
+#include <algorithm>
+
+#include "service/base/stamp.h"
+#include "service/tracker/stages/scan_context.h"
+
+namespace omni::tracker {
+namespace {
+
+void Start(const Config& config, const base::HallScan& scan, RoomState& room) noexcept {
+  room.doubt.model_error = config.doubt.model_error_start;
+  StartAway(config.away, scan.t_ns, room.away);
+  StartMagnet(config.magnets, LearnsDrift(config), room.magnet);
+  if (LearnsDrift(config)) PredictDriftTo(config.drift, scan.t_ns, scan.coil_current_A, nullptr, room.drift);
+}
+
+// Leaves out a sensor that repeats the same reading before it becomes wrong.
+void BlameFrozen(const Config& config, const base::HallScan& scan, RoomState& room) noexcept {
+  const int frozen = FindFrozen(scan, config.doubt.frozen_scans, room.repetition);
+  if (frozen >= 0 && room.doubt.left_out < 0 && CanDoubt(config, room)) Blame(config.doubt, frozen, room.doubt);
+}
+
+}  // namespace
+
+bool Receive(const Config& config, const base::HallScan& as_read, State& state, Received& received) noexcept {
+  RoomState& room = state.room;
+  const bool old = room.currents.valid && as_read.t_ns == room.currents.t_ns;
+  room.old_scans = old ? std::min(room.old_scans + 1, config.lost_after_scans) : 0;
+  if (old) return false;
+  if (room.scans++ == 0) Start(config, as_read, room);
+  BlameFrozen(config, as_read, room);
+  received.frozen = IsAllFrozen(as_read, config.doubt.frozen_scans, room.repetition);
+  received.scan = as_read;
+  if (room.away.learnt) SubtractZeros(room.away, received.scan);
+  received.since_last_s = base::Elapsed_s(as_read.t_ns, room.currents.t_ns);
+  received.before = room.currents;
+  room.currents = received.now = Remember(as_read, room.currents);
+  return true;
+}
+
+}  // namespace omni::tracker
