@@ -145,6 +145,27 @@ TEST(ToolsCommandLine, TwinRunFailsWhenNothingIsTracked) {
   ExpectOneLine(ran.err, {"omni twin run:", "not tracked in any tick"});
 }
 
+// An uncalibrated base does not find the pen at once; from the first pose on it is where it was expected.
+TEST(ToolsTwinRun, ExplainNamesTheHypothesesByStretches) {
+  const test::TempFolder folder;
+  const std::string scene = folder.Write("pyramid.gltf", Pyramid(R"(, "extras": {"haptic": {"stiffness": 600}})"));
+  const std::vector<std::string> run = {"twin", "run", scene, "--as-drawn", "--seconds", "0.5", "--explain"};
+  const Outcome ran = RunOmni(run);
+  ASSERT_EQ(ran.status, kExitOk) << ran.err;
+  const std::size_t table = ran.out.find("explained by     from (s)   to (s)    scans\n");
+  ASSERT_NE(table, std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("  as predicted\n", table), std::string::npos) << ran.out;
+  std::vector<std::string> as_json = run;
+  as_json.push_back("--json");
+  const nlohmann::json json = nlohmann::json::parse(RunOmni(as_json).out);
+  int scans = 0;
+  for (const auto& stretch : json.at("explained")) {
+    EXPECT_LE(stretch.at("begin_ns").get<std::int64_t>(), stretch.at("end_ns").get<std::int64_t>());
+    scans += stretch.at("scans").get<int>();
+  }
+  EXPECT_EQ(scans, json.at("ticks").get<int>());
+}
+
 // What a run of one millisecond leaves for `omni report`.
 struct RunFiles {
   explicit RunFiles(const test::TempFolder& folder)

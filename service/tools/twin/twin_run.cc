@@ -49,6 +49,7 @@ struct RunArguments {
   bool fit = false;
   bool touch_all = false;
   bool flip_coil_sign = false;
+  bool explain = false;
 };
 
 struct PathArguments {
@@ -86,6 +87,41 @@ std::string ErrorsText(const TrackingErrors& errors) {
                 errors.mean_mm, errors.p95_mm, errors.max_mm, static_cast<unsigned long long>(errors.compared_ticks),
                 errors.sigma_median_mm, errors.silent_share);
   return text;
+}
+
+// Scans in a row that one hypothesis of the tracker explained.
+struct Stretch {
+  std::int64_t begin_ns = 0, end_ns = 0;  // stamps of the first and the last scan
+  int scans = 0;
+  const char* hypothesis = nullptr;  // null: there was no pose
+};
+
+void AddScan(std::int64_t t_ns, const char* hypothesis, std::vector<Stretch>& stretches) {
+  if (stretches.empty() || stretches.back().hypothesis != hypothesis) stretches.push_back({t_ns, t_ns, 0, hypothesis});
+  stretches.back().end_ns = t_ns;
+  ++stretches.back().scans;
+}
+
+const char* NameOf(const Stretch& stretch) { return stretch.hypothesis ? stretch.hypothesis : "none: no pose"; }
+
+std::string StretchesText(const std::vector<Stretch>& stretches) {
+  std::string text = "explained by     from (s)   to (s)    scans\n";
+  for (const Stretch& stretch : stretches) {
+    text += Printed("                 %8.3f %8.3f %8d  %s\n", 1e-9 * static_cast<double>(stretch.begin_ns),
+                    1e-9 * static_cast<double>(stretch.end_ns), stretch.scans, NameOf(stretch));
+  }
+  return text;
+}
+
+nlohmann::ordered_json StretchesJson(const std::vector<Stretch>& stretches) {
+  auto json = nlohmann::ordered_json::array();
+  for (const Stretch& stretch : stretches) {
+    json.push_back({{"begin_ns", stretch.begin_ns},
+                    {"end_ns", stretch.end_ns},
+                    {"scans", stretch.scans},
+                    {"hypothesis", NameOf(stretch)}});
+  }
+  return json;
 }
 
 nlohmann::ordered_json RunJson(const RunArguments& arguments, const std::string& scene, double seconds,
@@ -136,11 +172,13 @@ int RunTwin(const RunArguments& arguments) {
                                     .recording_path = recording},
                                    seconds);
   std::vector<TrackedPosition> tracked;
+  std::vector<Stretch> stretches;
   const std::function<bool(double)> progress = ProgressOnTerminal("run");
   double ticks = 0;
   const daemon::VirtualRunSummary summary =
       daemon::RunVirtual(*tick, *twin, loaded->scene, {}, [&](const base::HallScan& scan, const loop::TickOutput& out) {
         if (progress && std::fmod(++ticks, kTicksShown) == 0) progress(1e-3 * ticks / seconds);
+        if (arguments.explain) AddScan(scan.t_ns, out.tool.hypothesis, stretches);
         if (out.tool.status != base::TrackingStatus::kTracking) return;
         const auto& C = out.tool.covariance;
         tracked.push_back({static_cast<double>(scan.t_ns), out.tool.position_base_m, std::sqrt(C[0] + C[6] + C[12])});
@@ -150,7 +188,9 @@ int RunTwin(const RunArguments& arguments) {
   if (!table.ok()) return Fail("omni twin run", table.error());
   const TrackingErrors errors = CompareTracking(tracked, *table);
   if (arguments.as_json) {
-    PrintJson(RunJson(arguments, path, seconds, summary, errors));
+    nlohmann::ordered_json json = RunJson(arguments, path, seconds, summary, errors);
+    if (arguments.explain) json["explained"] = StretchesJson(stretches);
+    PrintJson(json);
     return errors.compared_ticks > 0 ? kExitOk : kExitFailed;
   }
   std::printf("scene            %s\n", path.c_str());
@@ -166,6 +206,7 @@ int RunTwin(const RunArguments& arguments) {
   std::printf("peak force       %.3f N\n", summary.peak_force_N);
   std::printf("%s", ErrorsText(errors).c_str());
   std::printf("hash             %016llx\n", static_cast<unsigned long long>(summary.hash));
+  if (arguments.explain) std::printf("%s", StretchesText(stretches).c_str());
   if (errors.compared_ticks > 0) return kExitOk;
   return Fail("omni twin run", "the pen was not tracked in any tick, so there is no error to report");
 }
@@ -217,6 +258,7 @@ void AddTwin(Command& app) {
   run.Add("--fit", arguments->fit, "scale and move the model into reach");
   run.Add("--touch-all", arguments->touch_all, "make a file without haptic tags touchable everywhere (--fit does too)");
   run.Add("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
+  run.Add("--explain", arguments->explain, "print which of the tracker's hypotheses explained the scans, by stretches");
   run.Add("--json", arguments->as_json, "as JSON");
   run.Run(arguments, RunTwin);
 
