@@ -22,7 +22,6 @@
 #include "service/daemon/clients/force_clients.h"
 #include "service/daemon/clients/owner.h"
 #include "service/daemon/clients/vibration.h"
-#include "service/daemon/devices/room_finding.h"
 #include "service/daemon/keys/key_thread.h"
 #include "service/daemon/scenes/app_scenes.h"
 #include "service/daemon/scenes/scene_builder.h"
@@ -31,6 +30,7 @@
 #include "service/device/transport.h"
 #include "service/ipc/server.h"
 #include "service/loop/tick_thread.h"
+#include "service/room/room_finding.h"
 
 namespace omni::daemon {
 
@@ -71,9 +71,9 @@ class Service : public ipc::ServerHandler {
   // Any thread: that this computer does not keep up with the base; empty: it does. Until the next SetCalibration.
   void SetStarved(std::string starved);
   // Any thread: what is wrong with sensors or the room. Until the next SetCalibration.
-  void SetRoom(std::vector<RoomFinding> findings);
+  void SetRoom(std::vector<room::RoomFinding> findings);
   // Any thread: the field about the base, each second in which it is known.
-  void SetField(const RoomField& field);
+  void SetField(const room::RoomField& field);
   // Any thread: what forces the device that is attached, or about to be, can make. Detach resets it.
   void SetForceProperties(const protocol::ForceProperties& properties);
   // Any thread: how long there has been neither a client nor an emergency stop.
@@ -152,8 +152,8 @@ class Service : public ipc::ServerHandler {
   const device::Transport* transport_ = nullptr;
   config::CalibrationChoice calibration_;
   std::string misfit_, starved_;
-  std::vector<RoomFinding> room_;
-  RoomField field_;
+  std::vector<room::RoomFinding> room_;
+  room::RoomField field_;
   protocol::ForceProperties force_properties_;
   std::string device_absent_why_ = "not opened yet";
   base::KeyStates key_states_;

@@ -70,12 +70,12 @@ void Service::SetStarved(std::string starved) {
   starved_ = std::move(starved);
 }
 
-void Service::SetRoom(std::vector<RoomFinding> findings) {
+void Service::SetRoom(std::vector<room::RoomFinding> findings) {
   const std::lock_guard lock(loop_mutex_);
   room_ = std::move(findings);
 }
 
-void Service::SetField(const RoomField& field) {
+void Service::SetField(const room::RoomField& field) {
   const std::lock_guard lock(loop_mutex_);
   field_ = field;
 }

@@ -8,6 +8,7 @@
 #include "service/base/spsc_ring.h"
 #include "service/loop/histogram.h"
 #include "service/loop/tick.h"
+#include "service/tracker/room_sample.h"
 
 namespace omni::loop {
 
@@ -61,22 +62,13 @@ struct SourceStatistics {
 
 // Ticks with a magnet near the base: how many had a pose that explains the readings, and how many had none.
 struct FitStatistics {
-  static constexpr double kNear_T = 1e-4;  // twice the earth's field, and what a pen 10 cm above the hull makes
   std::atomic<std::uint64_t> explained{0}, contradicted{0};
 
   void Count(const base::ToolState& tool) noexcept {
-    if (!(tool.field_rms_T >= kNear_T)) return;
+    if (!(tool.field_rms_T >= tracker::kMagnetNear_T)) return;
     const bool contradicted_now = (tool.limits & base::kToolContradicted) != 0;
     (contradicted_now ? contradicted : explained).fetch_add(1, std::memory_order_relaxed);
   }
-};
-
-// One scan and its result, for the room watch: now and then, as often without a client as with one.
-struct RoomSample {
-  static constexpr std::int64_t kEvery_ns = 15'500'000;  // every sixteenth scan, on the base's clock
-  base::HallScan scan;
-  base::ToolState tool;
-  double contact_gain = 1;  // ContactGain
 };
 
 struct TickStatistics {

@@ -69,9 +69,11 @@ void TickThread::WriteSurfaces(std::int64_t t_ns) noexcept {
 }
 
 void TickThread::WriteRoom(const base::HallScan& scan) noexcept {
-  if (base::StampDifference_ns(scan.t_ns, room_written_ns_) < RoomSample::kEvery_ns) return;
+  if (base::StampDifference_ns(scan.t_ns, room_written_ns_) < tracker::RoomSample::kEvery_ns) return;
   room_written_ns_ = scan.t_ns;
-  room_.WriteWith([&](RoomSample& sample) { sample = {scan, record_.output.tool, ContactGain(record_.output)}; });
+  room_.WriteWith([&](tracker::RoomSample& sample) {
+    sample = {scan, record_.output.tool, ContactGain(record_.output)};
+  });
 }
 
 std::int64_t TickThread::OwnerSilence_ns(const OwnerLife& owner, std::int64_t now_ns) noexcept {

@@ -57,7 +57,7 @@ class TickThread {
   base::Latest<VibrationSamples>& vibration() noexcept { return *vibration_; }
   const TickStatistics& statistics() const noexcept { return *statistics_; }
   TelemetryRing& telemetry() noexcept { return *telemetry_; }
-  base::Latest<RoomSample>& room() noexcept { return room_; }
+  base::Latest<tracker::RoomSample>& room() noexcept { return room_; }
   const RealtimeStatus& realtime() const noexcept { return realtime_; }  // after Start
 
   // Whether a client draws surfaces: only then are snapshots written. Any thread.
@@ -79,7 +79,7 @@ class TickThread {
   base::Latest<Commands> commands_;
   base::Latest<SceneRef> scenes_;
   base::Latest<base::KeyStates> keys_;
-  base::Latest<RoomSample> room_;
+  base::Latest<tracker::RoomSample> room_;
   std::unique_ptr<base::Latest<VibrationSamples>> vibration_;
   std::unique_ptr<TickStatistics> statistics_;
   std::unique_ptr<TelemetryRing> telemetry_;

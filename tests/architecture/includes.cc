@@ -65,9 +65,9 @@ bool Allowed(const std::string& module, const std::string& header) {
 
 std::set<std::string> AnyService() {
   std::set<std::string> all{"firmware/wire"};
-  for (const char* name :
-       {"base", "console", "protocol", "config", "alignment", "magnetics", "tracker", "calibration", "haptics", "scene",
-        "actuation", "device", "sim", "loop", "ipc", "client", "daemon", "monitor", "tools"}) {
+  for (const char* name : {"base", "console",     "protocol", "config", "alignment", "magnetics", "tracker",
+                           "room", "calibration", "haptics",  "scene",  "actuation", "device",    "sim",
+                           "loop", "ipc",         "client",   "daemon", "monitor",   "tools"}) {
     all.insert(std::string("service/") + name);
   }
   return all;
@@ -87,6 +87,7 @@ const std::vector<Rule>& Rules() {
       {"service/haptics", {"service/base"}},
       {"service/tracker", {"service/base", "service/magnetics"}},
       {"service/actuation", {"service/base", "service/magnetics"}},
+      {"service/room", {"service/base", "service/magnetics", "service/tracker"}},
       {"service/calibration", {"service/base", "service/magnetics", "service/tracker"}},
       {"service/scene", {"service/base", "service/haptics"}},
       {"service/device", {"service/base", "firmware/wire"}},
@@ -123,7 +124,7 @@ const std::vector<Confined>& ConfinedHeaders() {
       {"spdlog/", {"service/daemon/", "service/tools/"}},
       {"Eigen/",
        {"service/base/eigen.h", "service/magnetics/", "service/tracker/", "service/haptics/", "service/actuation/",
-        "service/sim/", "service/loop/", "service/calibration/", "service/alignment/"}},
+        "service/sim/", "service/loop/", "service/room/", "service/calibration/", "service/alignment/"}},
   };
   return kConfined;
 }

@@ -14,9 +14,9 @@
 
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"
-#include "service/daemon/devices/room_watch.h"
 #include "service/haptics/scene.h"
 #include "service/loop/tick_config.h"
+#include "service/room/room_watch.h"
 #include "service/sim/hand/ordinary_hand.h"
 #include "service/sim/twin/loopback.h"
 #include "tests/support/rig/rig.h"
@@ -67,7 +67,7 @@ sim::HandScript HandOf(const Scenario& scenario, const base::DeviceGeometry& dev
 }
 
 struct Reported {
-  std::vector<daemon::RoomFinding> last;
+  std::vector<room::RoomFinding> last;
   std::set<std::string> kinds;                  // ever reported
   bool early = false;                           // before the event
   std::optional<base::Vec3> before_T, after_T;  // field about the base: just before the event, at the end
@@ -87,7 +87,7 @@ Reported Watch(const Scenario& scenario, const std::string& wanted = {}) {
   const auto output = std::make_unique<loop::TickOutput>();
   const haptics::Scene scene;
   const bool idle = scenario.idle || scenario.pen == Pen::kAway;
-  daemon::RoomWatch watch(&calibration);
+  room::RoomWatch watch(&calibration);
   base::HallScan scan;
   Reported reported;
   for (int tick = 1; tick <= 1000 * scenario.run_s; ++tick) {
@@ -99,7 +99,7 @@ Reported Watch(const Scenario& scenario, const std::string& wanted = {}) {
     watch.Add({scan, output->tool});
     if (watch.field() && tick < 1000 * kEvent_s) reported.before_T = watch.field()->field_base_T;
     if (watch.field()) reported.after_T = watch.field()->field_base_T;
-    for (const daemon::RoomFinding& finding : watch.findings()) {
+    for (const room::RoomFinding& finding : watch.findings()) {
       reported.kinds.insert(finding.kind);
       reported.early = reported.early || tick < 1000 * kEvent_s;
       if (finding.kind == wanted) tick = static_cast<int>(1000 * scenario.run_s);
@@ -114,14 +114,13 @@ void ExpectReported(const Scenario& scenario, const std::string& kind, const std
   const Reported reported = Watch(scenario, kind);
   EXPECT_FALSE(reported.early);
   std::string all;
-  for (const daemon::RoomFinding& finding : reported.last)
-    all += finding.kind + ": " + daemon::RoomText(finding) + "\n";
+  for (const room::RoomFinding& finding : reported.last) all += finding.kind + ": " + room::RoomText(finding) + "\n";
   const auto found =
       std::find_if(reported.last.begin(), reported.last.end(), [&](const auto& f) { return f.kind == kind; });
   ASSERT_NE(found, reported.last.end()) << kind << " is not reported, but: " << all;
   EXPECT_EQ(found->sensors, sensors) << all;
   for (const char* word : words) {
-    EXPECT_NE(daemon::RoomText(*found).find(word), std::string::npos) << word << " not in: " << all;
+    EXPECT_NE(room::RoomText(*found).find(word), std::string::npos) << word << " not in: " << all;
   }
 }
 
@@ -271,8 +270,8 @@ TEST(RoomWatch, FieldAboutTheBaseIsKnownWithAnyPen) {
 }
 
 TEST(RoomWatch, ReportsSoftenedContactsForTenSeconds) {
-  daemon::RoomWatch watch(nullptr);
-  loop::RoomSample sample;
+  room::RoomWatch watch(nullptr);
+  tracker::RoomSample sample;
   const auto wait = [&](double seconds, double contact_gain) {
     sample.contact_gain = contact_gain;
     for (int k = 0; k < seconds / 0.1; ++k) {
@@ -280,7 +279,7 @@ TEST(RoomWatch, ReportsSoftenedContactsForTenSeconds) {
       watch.Add(sample);
     }
     return std::count_if(watch.findings().begin(), watch.findings().end(),
-                         [](const daemon::RoomFinding& finding) { return finding.kind == "contact-softened"; });
+                         [](const room::RoomFinding& finding) { return finding.kind == "contact-softened"; });
   };
   EXPECT_EQ(wait(3, 1), 0);
   EXPECT_EQ(wait(2, 0.2), 1);

@@ -12,9 +12,9 @@
 
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"
-#include "service/daemon/devices/room_watch.h"
 #include "service/haptics/scene.h"
 #include "service/loop/tick_config.h"
+#include "service/room/room_watch.h"
 #include "service/sim/hand/ordinary_hand.h"
 #include "service/sim/twin/loopback.h"
 #include "service/tools/calibrate/calibrate_twin.h"
@@ -129,13 +129,13 @@ class PenScenario {
   int ghosts() const { return ghosts_; }
   std::string Findings() const {
     std::string all;
-    for (const daemon::RoomFinding& finding : watch_->findings()) all += finding.kind + ": " + RoomText(finding) + "\n";
+    for (const room::RoomFinding& finding : watch_->findings()) all += finding.kind + ": " + RoomText(finding) + "\n";
     return all;
   }
 
  private:
   const base::DeviceGeometry device_ = FastDevice();
-  std::optional<daemon::RoomWatch> watch_;
+  std::optional<room::RoomWatch> watch_;
   std::unique_ptr<sim::Loopback> base_;
   loop::TickConfig config_;
   const std::unique_ptr<loop::LoopState> state_ = std::make_unique<loop::LoopState>();

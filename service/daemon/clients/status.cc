@@ -68,9 +68,9 @@ json Calibration(const config::CalibrationChoice& choice) {
           {"shipped", choice.shipped},     {"expected_error_mm", choice.file->quality.expected_error_mm}};
 }
 
-json Room(const std::vector<RoomFinding>& findings) {
+json Room(const std::vector<room::RoomFinding>& findings) {
   json rows = json::array();
-  for (const RoomFinding& finding : findings) {
+  for (const room::RoomFinding& finding : findings) {
     rows.push_back(
         {{"kind", finding.kind}, {"sensors", finding.sensors}, {"what", finding.what}, {"fix", finding.fix}});
   }

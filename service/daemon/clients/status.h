@@ -9,12 +9,12 @@
 #include "service/config/files/alignment_file.h"
 #include "service/config/files/calibration_file.h"
 #include "service/daemon/clients/emergency_stop.h"
-#include "service/daemon/devices/room_finding.h"
 #include "service/daemon/keys/key_thread.h"
 #include "service/daemon/scenes/scene_builder.h"
 #include "service/device/transport.h"
 #include "service/loop/tick_thread.h"
 #include "service/protocol/control.h"
+#include "service/room/room_finding.h"
 #include "service/scene/scene_file.h"
 
 namespace omni::daemon {
@@ -39,8 +39,8 @@ struct StatusInput {
   EmergencyStop::State stop;
   std::vector<std::string> problems;
   config::CalibrationChoice calibration;
-  std::string misfit;             // Service::SetMisfit
-  std::vector<RoomFinding> room;  // Service::SetRoom
+  std::string misfit;                   // Service::SetMisfit
+  std::vector<room::RoomFinding> room;  // Service::SetRoom
   bool aligned = false;
   config::AlignmentFile alignments;
   std::vector<ClientRow> clients;

@@ -16,12 +16,12 @@
 #include "service/daemon/check_options.h"
 #include "service/daemon/clients/force_properties.h"
 #include "service/daemon/devices/fault_log.h"
-#include "service/daemon/devices/fit_watch.h"
 #include "service/daemon/devices/host_watch.h"
 #include "service/daemon/devices/recorder.h"
-#include "service/daemon/devices/room_watch.h"
 #include "service/daemon/devices/transport_tick_source.h"
 #include "service/magnetics/nominal.h"
+#include "service/room/fit_watch.h"
+#include "service/room/room_watch.h"
 
 namespace omni::daemon {
 namespace {
@@ -53,11 +53,14 @@ std::string MisfitText(const std::string& path, bool never, double share) {
 }
 
 // Logs those `findings` that are not among `others`.
-void LogNew(const std::vector<RoomFinding>& findings, const std::vector<RoomFinding>& others,
+void LogNew(const std::vector<room::RoomFinding>& findings, const std::vector<room::RoomFinding>& others,
             spdlog::level::level_enum level, const char* before) {
-  for (const RoomFinding& finding : findings) {
-    const auto same = [&](const RoomFinding& o) { return o.kind == finding.kind && o.sensors == finding.sensors; };
-    if (std::none_of(others.begin(), others.end(), same)) spdlog::log(level, "room: {}{}", before, RoomText(finding));
+  for (const room::RoomFinding& finding : findings) {
+    const auto same = [&](const room::RoomFinding& o) {
+      return o.kind == finding.kind && o.sensors == finding.sensors;
+    };
+    if (std::none_of(others.begin(), others.end(), same))
+      spdlog::log(level, "room: {}{}", before, room::RoomText(finding));
   }
 }
 
@@ -78,12 +81,12 @@ struct DeviceKeeper::Session {
   }
 
   OpenedDevice opened;
-  RoomWatch room;
+  room::RoomWatch room;
   TransportTickSource source;
   loop::TickThread loop;
   std::unique_ptr<Recorder> recorder;
   FaultLog faults;
-  FitWatch fit;
+  room::FitWatch fit;
   HostWatch host;
   bool misfit_reported = false;
   bool recording_failed = false;  // and logged
@@ -160,9 +163,9 @@ loop::TickConfig DeviceKeeper::Calibrated(const std::string& serial) {
 }
 
 void DeviceKeeper::WatchRoom() {
-  RoomWatch& room = session_->room;
-  const std::vector<RoomFinding> before = room.findings();
-  const loop::RoomSample& sample = session_->loop.room().Read();
+  room::RoomWatch& room = session_->room;
+  const std::vector<room::RoomFinding> before = room.findings();
+  const tracker::RoomSample& sample = session_->loop.room().Read();
   magnets_.Add(sample.tool, static_cast<std::int64_t>(std::time(nullptr)));
   const bool stored = magnets_.HandleWritten();
   const bool news = room.Add(sample);
@@ -174,7 +177,7 @@ void DeviceKeeper::WatchRoom() {
 }
 
 void DeviceKeeper::SetRoom() {
-  std::vector<RoomFinding> findings = session_->room.findings();
+  std::vector<room::RoomFinding> findings = session_->room.findings();
   if (magnets_.problem()) findings.push_back(*magnets_.problem());
   service_.SetRoom(std::move(findings));
 }

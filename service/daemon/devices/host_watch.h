@@ -4,14 +4,14 @@
 
 #include <cstdint>
 
-#include "service/daemon/devices/span_verdict.h"
+#include "service/room/span_verdict.h"
 
 namespace omni::daemon {
 
 class HostWatch {
  public:
   // Without a client there are about 125 ticks in a span.
-  static constexpr SpanRule kRule{
+  static constexpr room::SpanRule kRule{
       .span_ns = 2'000'000'000, .least = 100, .spans = 3, .bad_above = 0.01, .good_below = 0.002};
 
   // Call now and then, with counts that only grow: ticks, those that were late, scans that were overtaken. True: the
@@ -23,7 +23,7 @@ class HostWatch {
   double share() const noexcept { return verdict_.share(); }  // of the last span that counted
 
  private:
-  SpanVerdict verdict_{kRule};
+  room::SpanVerdict verdict_{kRule};
 };
 
 }  // namespace omni::daemon

@@ -34,8 +34,8 @@ MagnetBook::MagnetBook(std::string path, FileWriter::Write write) : path_(std::m
 }
 
 void MagnetBook::Drop(const std::string& what, const std::string& fix) {
-  problem_ = RoomFinding{.kind = "magnets-file", .sensors = {}, .what = what, .fix = fix};
-  spdlog::warn("magnets: {}", RoomText(*problem_));
+  problem_ = room::RoomFinding{.kind = "magnets-file", .sensors = {}, .what = what, .fix = fix};
+  spdlog::warn("magnets: {}", room::RoomText(*problem_));
 }
 
 void MagnetBook::Open(const std::string& serial, double calibrated_moment_Am2, tracker::MagnetOptions& options) {
@@ -75,7 +75,7 @@ bool MagnetBook::Add(const base::ToolState& tool, std::int64_t now_unix_s) {
 }
 
 bool MagnetBook::HandleWritten() {
-  const std::optional<RoomFinding> before = problem_;
+  const std::optional<room::RoomFinding> before = problem_;
   while (const std::optional<FileWriter::Written> written = writer_.PopWritten()) {
     if (written->status.ok()) {
       problem_.reset();

@@ -9,8 +9,8 @@
 
 #include "service/base/tool_state.h"
 #include "service/config/files/magnets_file.h"
-#include "service/daemon/devices/room_finding.h"
 #include "service/daemon/file_writer.h"
+#include "service/room/room_finding.h"
 #include "service/tracker/room/magnet.h"
 
 namespace omni::daemon {
@@ -29,7 +29,7 @@ class MagnetBook {
   bool HandleWritten();
 
   // Why the file is not used or could not be written.
-  const std::optional<RoomFinding>& problem() const noexcept { return problem_; }
+  const std::optional<room::RoomFinding>& problem() const noexcept { return problem_; }
 
  private:
   void Drop(const std::string& what, const std::string& fix);
@@ -41,7 +41,7 @@ class MagnetBook {
   std::vector<config::MagnetEntry> entries_;
   std::string serial_;
   double calibrated_moment_Am2_ = 0;  // 0: no device, or not calibrated
-  std::optional<RoomFinding> problem_;
+  std::optional<room::RoomFinding> problem_;
 };
 
 }  // namespace omni::daemon

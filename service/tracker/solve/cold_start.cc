@@ -102,8 +102,8 @@ ColdCandidates RankGrid(const Model& model, const BasicMeasurement<kCapacity>& m
                  input.task(), scores);
     for (int lane = 0; lane < std::min(kGridLanes, model.grid.places - first); ++lane) {
       best.Insert({scores.explained[lane],
-                  first + lane,
-                  {scores.moment_Am2[0][lane], scores.moment_Am2[1][lane], scores.moment_Am2[2][lane]}});
+                   first + lane,
+                   {scores.moment_Am2[0][lane], scores.moment_Am2[1][lane], scores.moment_Am2[2][lane]}});
     }
   }
   ColdCandidates result;

@@ -8,11 +8,11 @@
 
 #include "service/base/limits.h"
 #include "service/base/vec.h"
-#include "service/daemon/devices/room_finding.h"
-#include "service/daemon/devices/verdict.h"
-#include "service/loop/telemetry.h"
+#include "service/room/room_finding.h"
+#include "service/room/verdict.h"
+#include "service/tracker/room_sample.h"
 
-namespace omni::daemon {
+namespace omni::room {
 
 class SensorWatch {
  public:
@@ -22,7 +22,7 @@ class SensorWatch {
   static constexpr double kPlace_m = 0.02;
   static constexpr int kSensorsMin = 4;  // fewer leave too few readings for a pose
 
-  void Add(const loop::RoomSample& sample);
+  void Add(const tracker::RoomSample& sample);
   void EndSecond();
   // magnet_near: already reported; a sensor that may only be near the magnet is not reported as well.
   void Report(bool magnet_near, std::vector<RoomFinding>& findings) const;
@@ -46,4 +46,4 @@ class SensorWatch {
   Verdict is_frozen_{2};
 };
 
-}  // namespace omni::daemon
+}  // namespace omni::room

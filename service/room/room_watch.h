@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "service/base/calibration.h"
-#include "service/daemon/devices/field_watch.h"
-#include "service/daemon/devices/room_finding.h"
-#include "service/daemon/devices/sensor_watch.h"
-#include "service/daemon/devices/swap_search.h"
-#include "service/daemon/devices/verdict.h"
-#include "service/loop/telemetry.h"
+#include "service/room/field_watch.h"
+#include "service/room/room_finding.h"
+#include "service/room/sensor_watch.h"
+#include "service/room/swap_search.h"
+#include "service/room/verdict.h"
+#include "service/tracker/room_sample.h"
 
-namespace omni::daemon {
+namespace omni::room {
 
 // Whether the pen in use has another magnet than the calibrated one.
 class PenWatch {
@@ -42,7 +42,7 @@ class RoomWatch {
   explicit RoomWatch(const base::Calibration* calibration);
 
   // The newest sample, about ten times a second; a repeated one is ignored. True: the findings have changed.
-  bool Add(const loop::RoomSample& sample);
+  bool Add(const tracker::RoomSample& sample);
   const std::vector<RoomFinding>& findings() const noexcept { return findings_; }
   // The uniform field about the base, base frame, and the second it is of; empty: not known.
   const std::optional<RoomField>& field() const noexcept { return room_field_; }
@@ -67,4 +67,4 @@ class RoomWatch {
   std::optional<RoomField> room_field_;
 };
 
-}  // namespace omni::daemon
+}  // namespace omni::room

@@ -14,7 +14,7 @@
 #include "service/base/limits.h"
 #include "service/tracker/solve/static_solve.h"
 
-namespace omni::daemon {
+namespace omni::room {
 
 class SwapSearch {
  public:
@@ -43,4 +43,4 @@ class SwapSearch {
   std::optional<std::pair<int, int>> found_;
 };
 
-}  // namespace omni::daemon
+}  // namespace omni::room

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "service/daemon/devices/span_verdict.h"
+#include "service/room/span_verdict.h"
 
-namespace omni::daemon {
+namespace omni::room {
 
 // Turns counts of loop::FitStatistics into a verdict, second by second. Seconds without a pen leave the verdict as it
 // is.
@@ -27,4 +27,4 @@ class FitWatch {
   SpanVerdict verdict_{kRule};
 };
 
-}  // namespace omni::daemon
+}  // namespace omni::room

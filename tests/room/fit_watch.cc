@@ -1,10 +1,10 @@
 // When a calibration is reported as a misfit: magnet near, but no pose that fits, for some seconds.
-#include "service/daemon/devices/fit_watch.h"
+#include "service/room/fit_watch.h"
 
 #include <gtest/gtest.h>
 
-namespace omni::daemon {
-namespace test_daemon_fit_watch {
+namespace omni::room {
+namespace test_room_fit_watch {
 
 // Ten polls a second of a loop with so many ticks a second.
 struct Scenario {
@@ -23,7 +23,7 @@ struct Scenario {
   }
 };
 
-TEST(DaemonFitWatch, MisfitAfterSecondsWithoutAPoseUntilPosesReturn) {
+TEST(RoomFitWatch, MisfitAfterSecondsWithoutAPoseUntilPosesReturn) {
   Scenario scenario;
   scenario.Run(2.5, 0, 100);
   EXPECT_FALSE(scenario.watch.misfit()) << "too early";
@@ -37,7 +37,7 @@ TEST(DaemonFitWatch, MisfitAfterSecondsWithoutAPoseUntilPosesReturn) {
   EXPECT_EQ(scenario.changes, 2) << "each reported once";
 }
 
-TEST(DaemonFitWatch, NoMisfitWhileThePenIsAwayOrTracked) {
+TEST(RoomFitWatch, NoMisfitWhileThePenIsAwayOrTracked) {
   Scenario scenario;
   scenario.Run(60, 0, 0);
   scenario.Run(60, 100, 1);
@@ -46,7 +46,7 @@ TEST(DaemonFitWatch, NoMisfitWhileThePenIsAwayOrTracked) {
   EXPECT_EQ(scenario.changes, 0);
 }
 
-TEST(DaemonFitWatch, PartialTrackingIsAMisfitWithoutFlicker) {
+TEST(RoomFitWatch, PartialTrackingIsAMisfitWithoutFlicker) {
   Scenario scenario;
   scenario.Run(30, 80, 20);
   EXPECT_TRUE(scenario.watch.misfit());
@@ -56,11 +56,11 @@ TEST(DaemonFitWatch, PartialTrackingIsAMisfitWithoutFlicker) {
   EXPECT_EQ(scenario.changes, 1);
 }
 
-TEST(DaemonFitWatch, DetectsMisfitInAnIdleLoop) {
+TEST(RoomFitWatch, DetectsMisfitInAnIdleLoop) {
   Scenario scenario;
   scenario.Run(8, 0, 6);
   EXPECT_TRUE(scenario.watch.misfit());
 }
 
-}  // namespace test_daemon_fit_watch
-}  // namespace omni::daemon
+}  // namespace test_room_fit_watch
+}  // namespace omni::room

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace omni::daemon {
+namespace omni::room {
 
 struct SpanRule {
   std::int64_t span_ns;
@@ -50,4 +50,4 @@ class SpanVerdict {
   double share_ = 0;
 };
 
-}  // namespace omni::daemon
+}  // namespace omni::room

@@ -1,13 +1,13 @@
-#include "service/daemon/devices/swap_search.h"
+#include "service/room/swap_search.h"
 
 #include <algorithm>
 
 #include "service/base/stamp.h"
 
-namespace omni::daemon {
+namespace omni::room {
 namespace {
 
-constexpr double kModelError = 0.01;  // what a calibration may get wrong
+constexpr double kCalibrationError = 0.01;  // what a calibration may get wrong
 constexpr double kAmbient_T = 5e-5;
 
 std::vector<std::pair<int, int>> Exchanges() {
@@ -20,8 +20,8 @@ std::vector<std::pair<int, int>> Exchanges() {
 
 tracker::StaticOptions Options() {
   tracker::StaticOptions options;
-  options.trust.model_error_relative = kModelError;
-  options.trust.coil_error_relative = kModelError;
+  options.trust.model_error_relative = kCalibrationError;
+  options.trust.coil_error_relative = kCalibrationError;
   options.trust.ambient_error_T = kAmbient_T;
   return options;
 }
@@ -78,4 +78,4 @@ int SwapSearch::Fits(int a, int b) const {
   return fits;
 }
 
-}  // namespace omni::daemon
+}  // namespace omni::room

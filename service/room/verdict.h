@@ -3,7 +3,7 @@
 
 #include <optional>
 
-namespace omni::daemon {
+namespace omni::room {
 
 class Verdict {
  public:
@@ -28,4 +28,4 @@ class Verdict {
 // At least 80 % of a second's samples.
 inline bool IsMostly(int some, int all) noexcept { return some > 0 && some >= 0.8 * all; }
 
-}  // namespace omni::daemon
+}  // namespace omni::room

@@ -9,12 +9,12 @@
 #include "service/base/calibration.h"
 #include "service/base/eigen.h"
 #include "service/base/limits.h"
-#include "service/daemon/devices/room_finding.h"
-#include "service/daemon/devices/verdict.h"
-#include "service/loop/telemetry.h"
+#include "service/room/room_finding.h"
+#include "service/room/verdict.h"
+#include "service/tracker/room_sample.h"
 #include "service/tracker/solve/static_solve.h"
 
-namespace omni::daemon {
+namespace omni::room {
 
 class FieldWatch {
  public:
@@ -26,7 +26,7 @@ class FieldWatch {
 
   explicit FieldWatch(const base::Calibration& calibration);
 
-  void Add(const loop::RoomSample& sample);
+  void Add(const tracker::RoomSample& sample);
   // useless: bit i: ignore sensor i. contradicted: a magnet is near, and neither a pose nor what is known of the
   // sensors explains the readings.
   void EndSecond(std::uint32_t useless, bool contradicted);
@@ -59,4 +59,4 @@ class FieldWatch {
   Verdict is_magnet_{3}, wanders_{5}, is_uniform_{3}, is_uneven_{3};  // an approaching magnet wanders too
 };
 
-}  // namespace omni::daemon
+}  // namespace omni::room

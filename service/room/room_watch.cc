@@ -1,4 +1,4 @@
-#include "service/daemon/devices/room_watch.h"
+#include "service/room/room_watch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "service/base/stamp.h"
 
-namespace omni::daemon {
+namespace omni::room {
 namespace {
 
 RoomFinding Swapped(const std::pair<int, int>& pair) {
@@ -64,10 +64,10 @@ RoomWatch::RoomWatch(const base::Calibration* calibration) {
   swap_.emplace(*calibration);
 }
 
-bool RoomWatch::Add(const loop::RoomSample& sample) {
+bool RoomWatch::Add(const tracker::RoomSample& sample) {
   if (sample.scan.t_ns == last_ns_) return false;
   last_ns_ = sample.scan.t_ns;
-  const bool near = sample.tool.field_rms_T >= loop::FitStatistics::kNear_T;
+  const bool near = sample.tool.field_rms_T >= tracker::kMagnetNear_T;
   const bool contradicted = near && (sample.tool.limits & base::kToolContradicted) != 0;
   ++samples_;
   near_ += near ? 1 : 0;
@@ -120,4 +120,4 @@ bool RoomWatch::IsExplained() const noexcept { return sensors_.too_few() || (swa
 
 bool RoomWatch::explains_misfit() const noexcept { return IsExplained() || (field_ && field_->magnet_near()); }
 
-}  // namespace omni::daemon
+}  // namespace omni::room

@@ -7,7 +7,7 @@
 
 #include "service/base/vec.h"
 
-namespace omni::daemon {
+namespace omni::room {
 
 struct RoomFinding {
   std::string kind;
@@ -24,4 +24,4 @@ struct RoomField {
 
 inline std::string RoomText(const RoomFinding& finding) { return finding.what + "; " + finding.fix; }
 
-}  // namespace omni::daemon
+}  // namespace omni::room

@@ -1,4 +1,4 @@
-#include "service/daemon/devices/sensor_watch.h"
+#include "service/room/sensor_watch.h"
 
 #include <algorithm>
 #include <string>
@@ -6,7 +6,7 @@
 
 #include "service/base/vec.h"
 
-namespace omni::daemon {
+namespace omni::room {
 namespace {
 
 // "sensor 3", "sensors 0, 1 and 4"
@@ -56,7 +56,7 @@ RoomFinding Frozen() {
 
 }  // namespace
 
-void SensorWatch::Add(const loop::RoomSample& sample) {
+void SensorWatch::Add(const tracker::RoomSample& sample) {
   const base::HallScan& scan = sample.scan;
   const bool tracked = sample.tool.status == base::TrackingStatus::kTracking;
   const bool frozen = (sample.tool.limits & base::kToolFrozen) != 0;
@@ -123,4 +123,4 @@ std::uint32_t SensorWatch::useless() const noexcept {
 
 bool SensorWatch::too_few() const noexcept { return base::kSensorCount - __builtin_popcount(useless()) < kSensorsMin; }
 
-}  // namespace omni::daemon
+}  // namespace omni::room

@@ -1,4 +1,4 @@
-#include "service/daemon/devices/field_watch.h"
+#include "service/room/field_watch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "service/base/eigen.h"
 
-namespace omni::daemon {
+namespace omni::room {
 namespace {
 
 using Eigen::Vector3d;
@@ -71,7 +71,7 @@ FieldWatch::FieldWatch(const base::Calibration& calibration) : calibration_(cali
   }
 }
 
-void FieldWatch::Add(const loop::RoomSample& sample) {
+void FieldWatch::Add(const tracker::RoomSample& sample) {
   const base::ToolState& tool = sample.tool;
   ++second_.samples;
   if (tool.status == base::TrackingStatus::kTracking) {
@@ -80,7 +80,7 @@ void FieldWatch::Add(const loop::RoomSample& sample) {
     second_.stray += tool.stray_rms_T > 0 ? 1 : 0;
     second_.ambient_sum_T += ambient_T;
     second_.ambient_square_T2 += ambient_T.squaredNorm();
-  } else if (tool.status == base::TrackingStatus::kAbsent && tool.field_rms_T < loop::FitStatistics::kNear_T) {
+  } else if (tool.status == base::TrackingStatus::kAbsent && tool.field_rms_T < tracker::kMagnetNear_T) {
     ++second_.quiet;
     for (int i = 0; i < base::kSensorCount; ++i) {
       second_.reading_sum_T.col(i) += base::ToEigen(sample.scan.field_sensor_T[static_cast<std::size_t>(i)]);
@@ -160,4 +160,4 @@ void FieldWatch::Report(std::vector<RoomFinding>& findings) const {
   if (is_uneven_.holds()) findings.push_back(UnevenChanged());
 }
 
-}  // namespace omni::daemon
+}  // namespace omni::room
