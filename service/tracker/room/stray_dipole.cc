@@ -27,8 +27,8 @@ constexpr double kInnovationMemory = 0.3;  // share of the newest
 constexpr double kMisfitMemory = 0.02;
 constexpr double kDof = static_cast<double>(kReadings - StrayScan::kEliminated);
 
-Vector6 ToVector(const StrayDipole::Parameters& p) noexcept { return Eigen::Map<const Vector6>(p.data()); }
-void Put(const Vector6& from, StrayDipole::Parameters& to) noexcept { Eigen::Map<Vector6>(to.data()) = from; }
+Vector6 ToVector(const DipoleNumbers& p) noexcept { return Eigen::Map<const Vector6>(p.data()); }
+void Put(const Vector6& from, DipoleNumbers& to) noexcept { Eigen::Map<Vector6>(to.data()) = from; }
 Eigen::Map<const RowMatrix> Information(const StrayEvidence& e) noexcept {
   return Eigen::Map<const RowMatrix>(e.information_1_T2.data());
 }
@@ -125,50 +125,50 @@ Eigen::Matrix<double, kReadings, 3> MomentColumns(const Model& model, const Vect
 }
 
 // The moment that a dipole there would have, linear in the evidence.
-void ScorePlace(const DipoleOptions& options, const Model& model, int place, StrayDipole& dipole) noexcept {
+void ScorePlace(const DipoleOptions& options, const Model& model, const StrayEvidence& lately,
+                DipolePlaces& places) noexcept {
   Vector6 p;
-  p.head<3>() = PlaceOf(place);
+  p.head<3>() = PlaceOf(places.next);
   const Eigen::Matrix<double, kReadings, 3> X = MomentColumns(model, p.head<3>());
-  Matrix3d A = X.transpose() * (Information(dipole.lately) * X);
+  Matrix3d A = X.transpose() * (Information(lately) * X);
   A.diagonal().array() += 1 / (options.moment_Am2 * options.moment_Am2);
-  const Vector3d b = X.transpose() * Gradient(dipole.lately);
+  const Vector3d b = X.transpose() * Gradient(lately);
   p.tail<3>() = A.ldlt().solve(b);
   const double saved = b.dot(p.tail<3>());
-  if (!(saved > dipole.best_saved && p.tail<3>().norm() <= options.moment_max_Am2)) return;
-  dipole.best_saved = saved;
-  dipole.best_place = place;
-  Put(p, dipole.best);
+  if (!(saved > places.best_saved && p.tail<3>().norm() <= options.moment_max_Am2)) return;
+  places.best_saved = saved;
+  places.best = places.next;
+  Put(p, places.best_parameters);
 }
 
 // After all places: on from the best, if it is worth while.
 void BeginSteps(const DipoleOptions& options, StrayDipole& dipole) noexcept {
-  dipole.place = 0;
-  dipole.started = dipole.best_saved > 0.5 * options.saves;
-  if (dipole.started) {
-    dipole.parameters = dipole.best;
-    dipole.steps = 0;
-    dipole.damping = kDampingStart;
-    dipole.covariance = {};
-  } else {
+  const auto tried = std::get<DipolePlaces>(dipole.stage);
+  if (!(tried.best_saved > 0.5 * options.saves)) {
+    dipole.stage = DipolePlaces{};
     dipole.nowhere = {};
+    return;
   }
-  dipole.best_saved = 0;
+  dipole.stage = DipoleSteps{.place = tried.best, .damping = kDampingStart};
+  dipole.parameters = tried.best_parameters;
+  dipole.covariance = {};
 }
 
 // Levenberg & Marquardt's.
-void TakeStep(const DipoleOptions& options, const Model& model, StrayDipole& dipole) noexcept {
+void TakeStep(const DipoleOptions& options, const Model& model, DipoleSteps& steps, StrayDipole& dipole) noexcept {
   const Vector6 p = ToVector(dipole.parameters);
   const Field field = FieldAt(model, p);
   Matrix6 H = InformationAt(options, dipole.lately, field);
-  H.diagonal() *= 1 + dipole.damping;
+  H.diagonal() *= 1 + steps.damping;
   const Vector6 g = field.J.transpose() * (Gradient(dipole.lately) - Information(dipole.lately) * field.x_T) -
                     PriorInformation(options).cwiseProduct(p);
   const Vector6 next = p + H.ldlt().solve(g);
   const bool better = IsPlace(options, next) && Saved(options, dipole.lately, FieldAt(model, next).x_T, next) >=
                                                     Saved(options, dipole.lately, field.x_T, p);
   if (better) Put(next, dipole.parameters);
-  dipole.damping = better ? std::max(kDampingMin, 0.1 * dipole.damping)
-                          : std::clamp(10 * dipole.damping, kDampingStart, kDampingMax);
+  steps.damping =
+      better ? std::max(kDampingMin, 0.1 * steps.damping) : std::clamp(10 * steps.damping, kDampingStart, kDampingMax);
+  ++steps.taken;
 }
 
 // e^T (A + A P A)^-1 e / 6: 1 of a dipole that stayed where it was.
@@ -202,16 +202,12 @@ bool Explains(const DipoleOptions& options, const StrayEvidence& said, const Wro
 }
 
 void Begin(const DipoleOptions& options, double misfit, StrayDipole& dipole) noexcept {
-  dipole.found = true;
-  dipole.wander = options.wander_start;
-  dipole.innovation = 1;
-  dipole.misfit = misfit;
-  dipole.scans = 0;
+  dipole.stage = FollowedDipole{.wander = options.wander_start, .misfit = misfit};
   dipole.lately = {};
 }
 
 // Its speed is what explains the innovations.
-void LearnWander(const DipoleOptions& options, double innovation, StrayDipole& dipole) noexcept {
+void LearnWander(const DipoleOptions& options, double innovation, FollowedDipole& dipole) noexcept {
   dipole.innovation += kInnovationMemory * (std::min(innovation, kInnovationMax) - dipole.innovation);
   if (dipole.innovation > options.faster) {
     dipole.wander = std::min(options.wander_grows * dipole.wander, options.wander_max);
@@ -225,31 +221,34 @@ void LearnWander(const DipoleOptions& options, double innovation, StrayDipole& d
 
 void SearchDipole(const DipoleOptions& options, const Model& model, StrayDipole& dipole) noexcept {
   if (!(dipole.lately.scans > 0)) return;
-  for (int k = 0; k < options.places_a_scan && !dipole.started; ++k) {
-    const auto place = static_cast<std::size_t>(dipole.place);
-    if (((dipole.nowhere[place / 64] >> (place % 64)) & 1U) == 0) ScorePlace(options, model, dipole.place, dipole);
-    if (++dipole.place == kPlaces) return BeginSteps(options, dipole);
+  if (auto* places = std::get_if<DipolePlaces>(&dipole.stage)) {
+    for (int k = 0; k < options.places_a_scan; ++k) {
+      const auto place = static_cast<std::size_t>(places->next);
+      if (((dipole.nowhere[place / 64] >> (place % 64)) & 1U) == 0) {
+        ScorePlace(options, model, dipole.lately, *places);
+      }
+      if (++places->next == kPlaces) return BeginSteps(options, dipole);
+    }
+  } else if (auto* steps = std::get_if<DipoleSteps>(&dipole.stage)) {
+    for (int k = 0; k < options.steps_a_scan; ++k) TakeStep(options, model, *steps, dipole);
+    if (steps->taken < options.search_steps) return;
+    const auto place = static_cast<std::size_t>(steps->place);
+    dipole.nowhere[place / 64] |= std::uint64_t{1} << (place % 64);
+    dipole.stage = DipolePlaces{};
   }
-  if (!dipole.started) return;
-  for (int k = 0; k < options.steps_a_scan; ++k) TakeStep(options, model, dipole);
-  dipole.steps += options.steps_a_scan;
-  if (dipole.steps < options.search_steps) return;
-  const auto place = static_cast<std::size_t>(dipole.best_place);
-  dipole.nowhere[place / 64] |= std::uint64_t{1} << (place % 64);
-  dipole.started = false;
 }
 
 void StartSearch(const DipoleOptions& options, const StrayEvidence& said, int steps, StrayDipole& dipole) noexcept {
   dipole.lately = said;
-  dipole.started = steps > 0;
-  dipole.steps = options.search_steps - steps;
-  dipole.damping = kDampingStart;
-  dipole.place = 0;
   dipole.nowhere = {};
-  dipole.best_saved = 0;
+  dipole.stage = DipolePlaces{};
+  if (steps > 0) dipole.stage = DipoleSteps{.taken = options.search_steps - steps, .damping = kDampingStart};
 }
 
-bool IsSearching(const StrayDipole& dipole) noexcept { return dipole.started || dipole.place > 0; }
+bool IsSearching(const StrayDipole& dipole) noexcept {
+  const auto* places = std::get_if<DipolePlaces>(&dipole.stage);
+  return places != nullptr ? places->next > 0 : dipole.followed() == nullptr;
+}
 
 bool FindDipole(const DipoleOptions& options, const Model& model, StrayDipole& dipole) noexcept {
   const Vector6 p = ToVector(dipole.parameters);
@@ -265,9 +264,10 @@ bool FindDipole(const DipoleOptions& options, const Model& model, StrayDipole& d
 void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEvidence& cycle, double repeats,
                  double systematic, StrayDipole& dipole) noexcept {
   const Vector6 p = ToVector(dipole.parameters);
+  const bool started = std::holds_alternative<DipoleSteps>(dipole.stage);
   double keep = options.keep;
   Field field;
-  if (dipole.started) {
+  if (started) {
     field = FieldAt(model, p);
     const Matrix6 A = field.J.transpose() * (Information(cycle) * field.J) / cycle.scans;
     const Vector6 e = field.J.transpose() * (Gradient(cycle) - Information(cycle) * field.x_T) / cycle.scans;
@@ -275,15 +275,18 @@ void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEv
   }
   StrayEvidence& lately = dipole.lately;
   AddEvidence(keep, EvidenceShare(std::min(repeats, keep * lately.scans + cycle.scans), systematic), cycle, lately);
-  const double saved = dipole.started ? Saved(options, lately, field.x_T, p) : 0;
+  const double saved = started ? Saved(options, lately, field.x_T, p) : 0;
   const WrongGain gain = WorstGain(lately);
   const bool more_than_gain = saved > gain.saved + options.than_gain;
   dipole.wrong_gain = !more_than_gain && Explains(options, lately, gain) ? gain.sensor : -1;
-  if (!dipole.started) return;
+  if (!started) return;
   const double left = LeftOf(lately, saved);
   Covariance(dipole) = std::max(1.0, left) * InformationAt(options, lately, field).inverse();
-  if (!Covariance(dipole).allFinite()) dipole = {};
-  if (dipole.started && more_than_gain && saved > options.saves && left < options.leaves) {
+  if (!Covariance(dipole).allFinite()) {
+    dipole = {};
+    return;
+  }
+  if (more_than_gain && saved > options.saves && left < options.leaves) {
     Begin(options, std::max(1.0, left), dipole);
   }
 }
@@ -291,6 +294,7 @@ void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEv
 // Kalman's correction in information form: p' = p + P' f e, P' = (P^-1 + f A)^-1, A = J^T D Q D J, e = -J^T D Q r.
 void FollowDipole(const DipoleOptions& options, const Model& model, const StrayScan& scan, double repeats,
                   double systematic, double step_s, StrayDipole& dipole) noexcept {
+  auto& followed = std::get<FollowedDipole>(dipole.stage);
   const Field field = FieldAt(model, ToVector(dipole.parameters));
   const ReadingLanes rest = scan.Eliminate(scan.residual);
   const Eigen::Map<const RowVector> inverse_sigma(scan.inverse_sigma.data());
@@ -305,14 +309,14 @@ void FollowDipole(const DipoleOptions& options, const Model& model, const StrayS
   }
   Eigen::Map<Matrix6> P = Covariance(dipole);
   const double moved_m = options.speed_m_s * step_s, turned_Am2 = options.turn_1_s * options.moment_Am2 * step_s;
-  P.diagonal().head<3>().array() += dipole.wander * moved_m * moved_m;
-  P.diagonal().tail<3>().array() += dipole.wander * turned_Am2 * turned_Am2;
-  LearnWander(options, Innovation(A, e, P), dipole);
-  dipole.misfit += kMisfitMemory * (Dot(scan.residual, rest) / kDof - dipole.misfit);
-  const double share = EvidenceShare(std::min(repeats, ++dipole.scans), systematic);
+  P.diagonal().head<3>().array() += followed.wander * moved_m * moved_m;
+  P.diagonal().tail<3>().array() += followed.wander * turned_Am2 * turned_Am2;
+  LearnWander(options, Innovation(A, e, P), followed);
+  followed.misfit += kMisfitMemory * (Dot(scan.residual, rest) / kDof - followed.misfit);
+  const double share = EvidenceShare(std::min(repeats, ++followed.scans), systematic);
   P = (P.inverse() + share * A).inverse().eval();
   const Vector6 p = ToVector(dipole.parameters) + share * (P * e);
-  if (!IsPlace(options, p) || !P.allFinite() || !(dipole.misfit <= options.ends)) {
+  if (!IsPlace(options, p) || !P.allFinite() || !(followed.misfit <= options.ends)) {
     dipole = {};
     return;
   }

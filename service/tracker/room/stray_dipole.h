@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <type_traits>
+#include <variant>
 
 #include "service/tracker/room/stray_scan.h"
 
@@ -31,23 +32,33 @@ struct DipoleOptions {
   double faster = 1.5, slower = 1;
 };
 
-struct StrayDipole {
-  using Parameters = std::array<double, kDipoleParameters>;
+using DipoleNumbers = std::array<double, kDipoleParameters>;
 
-  bool found = false;
-  Parameters parameters{};
+// The search tries places in turn, then takes steps from the best; what they find is followed.
+struct DipolePlaces {
+  int next = 0, best = 0;
+  double best_saved = 0;  // of the misfit
+  DipoleNumbers best_parameters{};
+};
+struct DipoleSteps {
+  int place = 0;  // that they began from
+  int taken = 0;
+  double damping = 0;
+};
+struct FollowedDipole {
+  double wander = 0, scans = 0;       // speed squared, as a share; scans since it moved
+  double innovation = 1, misfit = 1;  // means: over what is expected; per degree of freedom
+};
+
+struct StrayDipole {
+  std::variant<DipolePlaces, DipoleSteps, FollowedDipole> stage;
+  DipoleNumbers parameters{};  // of the steps, or of what they found
   std::array<double, kDipoleParameters * kDipoleParameters> covariance{};
-  // Of the search: recent evidence; the next place to try, those that led nowhere, and the best.
-  StrayEvidence lately;
-  bool started = false;  // from the best, by steps
-  int place = 0, steps = 0, best_place = 0;
-  std::array<std::uint64_t, 2> nowhere{};
-  double best_saved = 0, damping = 0;
-  Parameters best{};
-  // While it is followed: speed squared, as a share; scans since it moved; means of innovation over what is expected
-  // and of misfit per degree of freedom.
-  double wander = 0, scans = 0, innovation = 1, misfit = 1;
-  int wrong_gain = -1;  // the sensor whose gain explains the recent evidence better
+  StrayEvidence lately;                    // until it is found
+  std::array<std::uint64_t, 2> nowhere{};  // places whose steps led nowhere
+  int wrong_gain = -1;                     // the sensor whose gain explains the recent evidence better
+
+  const FollowedDipole* followed() const noexcept { return std::get_if<FollowedDipole>(&stage); }  // null: not found
 };
 static_assert(std::is_trivially_copyable_v<StrayDipole>);
 

@@ -188,7 +188,7 @@ void Follow(const StrayOptions& options, const Model& model, const Measurement& 
   FollowDipole(options.dipole, model, scan, repeats, systematic, options.every_scans * base::kTickPeriod_s,
                stray.dipole);
   SetGain(scan, stray);
-  if (stray.dipole.found && TakeDipole(options, model, stray)) {
+  if (stray.dipole.followed() != nullptr && TakeDipole(options, model, stray)) {
     stray.nothing_cycles = RootMeanSquare(stray.mean_T) < options.something_T ? stray.nothing_cycles + 1 : 0;
     return;
   }
@@ -228,16 +228,18 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
                 StrayField& stray) noexcept {
   // The search and the two inversions take turns with the scans that are gathered.
   const int number = ++stray.scan;
-  if (stray.dipole.found || number < options.cycle_scans - 1) {
+  if (stray.dipole.followed() != nullptr || number < options.cycle_scans - 1) {
     const int turn = number % options.every_scans;
-    if (turn == 3 && !stray.dipole.found && options.dipole.enabled) SearchDipole(options.dipole, model, stray.dipole);
+    if (turn == 3 && stray.dipole.followed() == nullptr && options.dipole.enabled)
+      SearchDipole(options.dipole, model, stray.dipole);
     if (turn != 1) return;
     StrayScan scan;
     const Rows* variance_T2 = stray.believed ? &stray.variance_T2 : nullptr;
     if (!MakeStrayScan(model, drift, measurement, pose, stray.mean_T, variance_T2, scan)) return;
-    if (stray.dipole.found) {
+    if (stray.dipole.followed() != nullptr) {
       Follow(options, model, measurement, scan, repeats, stray);
-      const bool proves = stray.places_to_prove > 0 && stray.dipole.misfit <= options.proves;
+      const FollowedDipole* magnet = stray.dipole.followed();
+      const bool proves = magnet != nullptr && stray.places_to_prove > 0 && magnet->misfit <= options.proves;
       if (proves && IsAtNewPlace(options, pose, stray)) --stray.places_to_prove;
       if (stray.nothing_cycles >= options.nothing_cycles) stray = {};
       return;
@@ -262,7 +264,7 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
   if (IsAtNewPlace(options, pose, stray)) ++stray.places;
   if (stray.inverted && stray.cycle.scans > 0) {
     JudgeCycle(options, model, stray);
-    if (!stray.dipole.found || !TakeDipole(options, model, stray)) Renew(options, model, stray);
+    if (stray.dipole.followed() == nullptr || !TakeDipole(options, model, stray)) Renew(options, model, stray);
   }
   Forget(stray);
   if (stray.nothing_cycles >= options.nothing_cycles) stray = {};

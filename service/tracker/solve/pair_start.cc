@@ -96,7 +96,7 @@ bool SeekPair(const PairOptions& options, const DipoleOptions& of_magnet, const 
       SearchDipole(of_magnet, model, pair.magnet);
       if (IsSearching(pair.magnet)) break;
       pair.step = Step::kPenAgain;
-      if (pair.magnet.parameters == StrayDipole::Parameters{}) NextStart(pair);  // no magnet explains anything
+      if (pair.magnet.parameters == DipoleNumbers{}) NextStart(pair);  // no magnet explains anything
       break;
     case Step::kPenAgain: {
       const double before = pair.chi2;

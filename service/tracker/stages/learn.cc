@@ -60,10 +60,10 @@ void LearnStray(const Observation& observation, bool young, RoomState& room) noe
   }
   const Explanation& explanation = observation.explanation;
   const double repeats = RepeatsOf(config.drift, explanation.measurement, options.every_scans * base::kTickPeriod_s);
-  const bool found = stray.dipole.found;
+  const bool found = stray.dipole.followed() != nullptr;
   LearnStray(options, config.model, room.drift, observation.received.scan, explanation.measurement,
              explanation.outcome.fit.pose, repeats, stray);
-  if (stray.dipole.found && !found) {
+  if (stray.dipole.followed() != nullptr && !found) {
     Clear(config.doubt.model_error_start, room.doubt);
     if (young) stray.places_to_prove = options.places_min;
   }

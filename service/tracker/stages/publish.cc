@@ -131,7 +131,8 @@ Fit WithDoubts(const Config& config, const RoomState& room, const Outcome& outco
   Fit fit = outcome.fit;
   if (outcome.good) AddMomentCovariance(room, fit);
   if (outcome.good && room.stray.on) AddStrayCovariance(config.stray, room.stray, fit);
-  const double unsure = Unsureness(config.doubt, room.doubt, room.stray.dipole.found ? room.stray.dipole.misfit : 1);
+  const FollowedDipole* magnet = room.stray.dipole.followed();
+  const double unsure = Unsureness(config.doubt, room.doubt, magnet != nullptr ? magnet->misfit : 1);
   fit.covariance *= unsure * unsure;
   return fit;
 }
