@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "service/base/eigen.h"
+#include "service/tracker/room/field_split.h"
 
 namespace omni::room {
 namespace {
@@ -118,20 +119,31 @@ void FieldWatch::JudgeTracked() {
 void FieldWatch::JudgeResting(std::uint32_t useless) {
   const Fields reading_T = second_.reading_sum_T / second_.quiet;
   const Vector3d current_A = second_.current_sum_A / second_.quiet;
-  Fields field_T = Fields::Zero();
-  int used = 0;
-  for (int i = 0; i < base::kSensorCount; ++i) {
-    if (((useless >> i) & 1u) != 0 || !reading_T.col(i).allFinite()) continue;
-    const base::SensorCalibration& sensor = calibration_.sensors[static_cast<std::size_t>(i)];
+  tracker::FieldShapes<0> shapes;
+  tracker::ReadingLanes field_T{};
+  shapes.rows = {};
+  shapes.readings = 0;
+  for (std::size_t i = 0; i < base::kSensorCount; ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    if (((useless >> i) & 1u) != 0 || !reading_T.col(column).allFinite()) continue;
+    const base::SensorCalibration& sensor = calibration_.sensors[i];
     const Vector3d expected_T = Eigen::Map<const RowMajor3d>(sensor.current_map_T_A.data()) * current_A +
                                 base::ToEigen(sensor.background_sensor_T);
     const RowMajor3d gain = Eigen::Map<const RowMajor3d>(sensor.gain_sensor_base.data());
-    field_T.col(used++) = gain.inverse() * (reading_T.col(i) - expected_T);
+    const Vector3d changed_T = gain.inverse() * (reading_T.col(column) - expected_T);
+    const Vector3d from_core_m = base::ToEigen(sensor.position_base_m) - base::ToEigen(calibration_.core_centre_base_m);
+    for (std::size_t axis = 0; axis < 3; ++axis, ++shapes.readings) {
+      const std::size_t row = base::kSensorCount * axis + i;
+      field_T[row] = changed_T[static_cast<Eigen::Index>(axis)];
+      for (std::size_t shape = 0; shape < shapes.rows.size(); ++shape) {
+        shapes.rows[shape][row] = tracker::FarFieldAt(shape, from_core_m.x(), from_core_m.y(), from_core_m.z())[axis];
+      }
+    }
   }
-  if (used < kSensorsMin) return;
-  const auto usable = field_T.leftCols(used);
-  const Vector3d uniform_T = usable.rowwise().mean();
-  const double uneven_T = std::sqrt((usable.colwise() - uniform_T).squaredNorm() / (3 * used));
+  tracker::FieldSplit<0> split;
+  if (shapes.readings < 3 * kSensorsMin || !tracker::SplitField(shapes, field_T, split)) return;
+  const Vector3d uniform_T(split.sizes.data());
+  const double uneven_T = std::sqrt(split.rest_T2);
   const bool even = uneven_T < std::max(kEven * uniform_T.norm(), kUneven_T);
   const bool from_afar = uneven_T < kEven * uniform_T.norm();
   if (even) field_T_ = calibrated_T_ + uniform_T;

@@ -12,12 +12,12 @@
 #include "service/tracker/filter/filter.h"
 #include "service/tracker/kernel/measurement.h"
 #include "service/tracker/kernel/model.h"
+#include "service/tracker/room/away.h"
 #include "service/tracker/room/doubt.h"
 #include "service/tracker/room/drift.h"
 #include "service/tracker/room/magnet.h"
 #include "service/tracker/room/mains.h"
 #include "service/tracker/room/stray_field.h"
-#include "service/tracker/solve/away.h"
 #include "service/tracker/solve/frozen.h"
 #include "service/tracker/solve/pair_start.h"
 

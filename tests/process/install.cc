@@ -112,9 +112,9 @@ TEST_F(Installed, ContainsEveryFile) {
 
 TEST_F(Installed, ExamplesBuildAgainstInstalledHeaders) {
   // A compiler is none of the programs whose time is virtual here.
-  const Ran built =
-      Run("unset LD_PRELOAD; CMAKE_GENERATOR=Ninja cmake -S \"$P/share/doc/libomni-dev/examples\" -B \"$P/../examples\" "
-          "-DCMAKE_PREFIX_PATH=\"$P\" && cmake --build \"$P/../examples\"");
+  const Ran built = Run(
+      "unset LD_PRELOAD; CMAKE_GENERATOR=Ninja cmake -S \"$P/share/doc/libomni-dev/examples\" -B \"$P/../examples\" "
+      "-DCMAKE_PREFIX_PATH=\"$P\" && cmake --build \"$P/../examples\"");
   ASSERT_EQ(built.status, 0) << built.text;
   for (const char* name : {"omni_force", "omni_block"}) {
     const Ran help = Run("\"$P/../examples/" + std::string(name) + "\" --help");

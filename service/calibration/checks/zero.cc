@@ -1,6 +1,6 @@
 #include "service/calibration/checks/zero.h"
 
-#include <Eigen/QR>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,14 +8,13 @@
 #include <string>
 
 #include "service/base/eigen.h"
+#include "service/tracker/room/field_split.h"
 
 namespace omni::calibration {
 namespace {
 
 using Eigen::Matrix3d;
-using Eigen::MatrixXd;
 using Eigen::Vector3d;
-using Eigen::VectorXd;
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 constexpr double kMoved_T = 1e-6;      // from one quarter of a second to another
@@ -40,31 +39,14 @@ Matrix3d UniformAt(const base::Calibration& calibration, const Vector3d& from_co
          calibration.core_kappa * share * share * share * (3 * n * n.transpose() - Matrix3d::Identity());
 }
 
-// Fields without sources that change evenly: five of them, r = (x, y, z).
-Eigen::Matrix<double, 3, 5> GradientAt(const Vector3d& r) {
-  Eigen::Matrix<double, 3, 5> fields;
-  fields << r.x(), 0, r.y(), r.z(), 0,  //
-      -r.y(), r.y(), r.x(), 0, r.z(),   //
-      0, -r.z(), 0, r.x(), r.y();
-  return fields;
-}
-
-// The rest of `change`, frame B, after subtracting the best of these fields.
-VectorXd Without(const MatrixXd& fields, const VectorXd& change) {
-  return change - fields * fields.colPivHouseholderQr().solve(change);
-}
-
-double Rms(double square, Eigen::Index count) { return std::sqrt(square / static_cast<double>(count)); }
-
 }  // namespace
 
 base::Result<Zeroed> Rezero(const base::Calibration& before,
                             const std::array<ZeroReadings, base::kSensorCount>& readings) {
   const auto refused = [](const std::string& why) { return base::Error{"not zeroed: " + why}; };
   Zeroed zeroed{.calibration = before};
-  const auto rows = static_cast<Eigen::Index>(3 * readings.size());
-  VectorXd change(rows);
-  MatrixXd fields(rows, 8);
+  tracker::FieldShapes<0> shapes;
+  tracker::ReadingLanes change_T{};
   for (std::size_t i = 0; i < readings.size(); ++i) {
     Vector3d mean = Vector3d::Zero();
     for (const base::Vec3& block : readings[i]) mean += base::ToEigen(block) / kZeroBlocks;
@@ -76,33 +58,44 @@ base::Result<Zeroed> Rezero(const base::Calibration& before,
       }
     }
     base::SensorCalibration& sensor = zeroed.calibration.sensors[i];
-    const auto at = static_cast<Eigen::Index>(3 * i);
     const Eigen::Map<const RowMajor3d> gain(sensor.gain_sensor_base.data());
     const Vector3d from_core_m = base::ToEigen(sensor.position_base_m) - base::ToEigen(before.core_centre_base_m);
-    change.segment<3>(at) = gain.inverse() * (mean - base::ToEigen(sensor.background_sensor_T));
-    fields.block<3, 3>(at, 0) = UniformAt(before, from_core_m);
-    fields.block<3, 5>(at, 3) = GradientAt(from_core_m);
+    const Vector3d changed_T = gain.inverse() * (mean - base::ToEigen(sensor.background_sensor_T));
+    const Matrix3d uniform = UniformAt(before, from_core_m);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t row = base::kSensorCount * axis + i;
+      change_T[row] = changed_T[static_cast<Eigen::Index>(axis)];
+      for (std::size_t shape = 0; shape < shapes.rows.size(); ++shape) {
+        shapes.rows[shape][row] =
+            shape < tracker::kUniformShapes
+                ? uniform(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(shape))
+                : tracker::FarFieldAt(shape, from_core_m.x(), from_core_m.y(), from_core_m.z())[axis];
+      }
+    }
     sensor.background_sensor_T = base::FromEigen(mean);
   }
-  const MatrixXd uniform = fields.leftCols<3>();
-  const VectorXd uneven = Without(uniform, change), own = Without(fields, change);
-  zeroed.uniform_T = uniform.colPivHouseholderQr().solve(change).norm();
-  for (Eigen::Index at = 0; at < rows; at += 3) zeroed.own_T = std::max(zeroed.own_T, uneven.segment<3>(at).norm());
+  tracker::FieldSplit<0> split;
+  if (!tracker::SplitField(shapes, change_T, split)) return refused("a reading is not a number");
+  zeroed.uniform_T = std::hypot(split.sizes[0], split.sizes[1], split.sizes[2]);
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    const auto& rest_T = split.rest_T;
+    zeroed.own_T = std::max(zeroed.own_T,
+                            std::hypot(rest_T[i], rest_T[base::kSensorCount + i], rest_T[2 * base::kSensorCount + i]));
+  }
   if (!(zeroed.uniform_T <= kUniform_T)) {
     return refused(
         Words("the field around the base has changed by %.0f uT, the limit is %.0f: a strong magnet is near; "
               "take it away, or calibrate this base again: omni calibrate --replace",
               1e6 * zeroed.uniform_T, 1e6 * kUniform_T));
   }
-  const double gradient = uneven.squaredNorm() - own.squaredNorm();
-  const double share = gradient / 5 / (own.squaredNorm() / static_cast<double>(rows - 8));
-  const bool from_far = Rms(gradient, rows) > kGradient_T && share > kGradientShare;
-  if (from_far || !(Rms(uneven.squaredNorm(), rows) <= kUneven_T)) {
+  const bool from_far = std::sqrt(split.gradient_T2) > kGradient_T && split.gradient > kGradientShare;
+  const double uneven_T = std::sqrt(split.rest_T2);
+  if (from_far || !(uneven_T <= kUneven_T)) {
     return refused(
         Words("the field is uneven by %.1f uT since this base was calibrated: the pen, another magnet or iron "
               "is near; take it away, or, if it stays there, calibrate this base again: omni calibrate "
               "--replace",
-              1e6 * Rms(uneven.squaredNorm(), rows)));
+              1e6 * uneven_T));
   }
   return zeroed;
 }

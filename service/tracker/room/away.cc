@@ -1,47 +1,18 @@
-#include "service/tracker/solve/away.h"
+#include "service/tracker/room/away.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "service/base/stamp.h"
-#include "service/tracker/kernel/cholesky.h"
+#include "service/tracker/room/field_split.h"
 
 namespace omni::tracker {
 namespace {
 
-constexpr std::size_t kRows = kReadings;
-// Patterns that are not zeros: three uniform fields, three of the core's remanence, and five gradients.
-constexpr std::size_t kUniform = 3, kKnown = kUniform + base::kCoilCount, kGradients = 5;
-constexpr std::size_t kShapes = kKnown + kGradients;
-constexpr std::size_t kRest = kRows - kShapes;
-
 using Rows = ReadingLanes;
-using Shapes = std::array<Rows, kShapes>;
+using Shapes = FieldShapes<base::kCoilCount>;  // known: what the core keeps
 
 double Square(double x) noexcept { return x * x; }
-
-// A distant source's field at a sensor is uniform and, to first order, B = T s with T symmetric and traceless: five
-// gradients after three uniform fields.
-std::array<double, 3> FieldAt(std::size_t shape, double x, double y, double z) noexcept {
-  switch (shape) {
-    case 0:
-      return {1, 0, 0};
-    case 1:
-      return {0, 1, 0};
-    case 2:
-      return {0, 0, 1};
-    case 3:
-      return {x, -y, 0};
-    case 4:
-      return {x, y, -2 * z};
-    case 5:
-      return {y, x, 0};
-    case 6:
-      return {z, 0, x};
-    default:
-      return {0, z, y};
-  }
-}
 
 Shapes ShapesOf(const Model& model) noexcept {
   Shapes shapes;
@@ -50,77 +21,39 @@ Shapes ShapesOf(const Model& model) noexcept {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t row = kSensors * axis + i;
       for (std::size_t k = 0; k < base::kCoilCount; ++k) {
-        shapes[kUniform + k][row] = model.coil_map_T_A[(3 * i + axis) * base::kCoilCount + k];
+        shapes.rows[kUniformShapes + k][row] = model.coil_map_T_A[(3 * i + axis) * base::kCoilCount + k];
       }
-      for (std::size_t far = 0; far < kUniform + kGradients; ++far) {
-        const std::array<double, 3> B = FieldAt(far, at[0][i], at[1][i], at[2][i]);
+      for (std::size_t far = 0; far < kUniformShapes + kGradientShapes; ++far) {
+        const std::array<double, 3> B = FarFieldAt(far, at[0][i], at[1][i], at[2][i]);
         double sum = 0;
         for (std::size_t c = 0; c < 3; ++c) sum += model.gain_sensor_base[3 * axis + c][i] * B[c];
-        shapes[far < kUniform ? far : far + base::kCoilCount][row] = sum;
+        shapes.rows[far < kUniformShapes ? far : far + base::kCoilCount][row] = sum;
       }
     }
   }
   return shapes;
 }
 
-// Removes the part along `shape` from `rows`.
-void Remove(const Rows& shape, Rows& rows) noexcept {
-  const double size = Dot(shape, rows) / Dot(shape, shape);
-  for (std::size_t row = 0; row < kRows; ++row) rows[row] -= size * shape[row];
-}
-
-// (U^T U + R)^-1 U^T y, R = diag(0, core_T2_A2): what a zero's variance is over that of what the core keeps
-bool FitKnown(const Shapes& shapes, double core_T2_A2, const Rows& mean_T, std::array<double, kKnown>& sizes) noexcept {
-  std::array<double, kKnown * kKnown> H;
-  for (std::size_t a = 0; a < kKnown; ++a) {
-    for (std::size_t b = 0; b < kKnown; ++b) H[kKnown * a + b] = Dot(shapes[a], shapes[b]);
-  }
-  for (std::size_t a = kUniform; a < kKnown; ++a) H[(kKnown + 1) * a] += core_T2_A2;
-  if (!InvertPositive<kKnown>(H.data(), kKnown)) return false;
-  sizes = {};
-  double sum = 0;
-  for (std::size_t b = 0; b < kKnown; ++b) {
-    const double along = Dot(shapes[b], mean_T);
-    for (std::size_t a = 0; a < kKnown; ++a) sizes[a] += H[kKnown * a + b] * along;
-    sum += along;
-  }
-  return std::isfinite(sum);
-}
-
 // A mean of scans: the uniform field, what neither that nor the core makes, and how much of it a magnet afar could.
 struct Found {
   std::array<double, 3> uniform_base_T{};
-  Rows rest_T{};
-  Rows zeros_T{};       // the same with no more for the core than it ever keeps
-  double rest_T2 = 0;   // mean square
-  double gradient = 0;  // of the rest: mean square along the gradients over that of all else
+  Rows zeros_T{};       // the rest, with no more for the core than it ever keeps
+  double rest_T2 = 0;   // mean square, whatever the core keeps
+  double gradient = 0;  // of that: FieldSplit::gradient
 };
 
-void TakeOff(const Shapes& shapes, const std::array<double, kKnown>& sizes, Rows& rows) noexcept {
-  for (std::size_t a = 0; a < kKnown; ++a) {
-    for (std::size_t row = 0; row < kRows; ++row) rows[row] -= sizes[a] * shapes[a][row];
-  }
-}
-
 bool Find(const Model& model, const Rows& mean_T, double core_T2_A2, Found& found) noexcept {
-  Shapes shapes = ShapesOf(model);
-  std::array<double, kKnown> sizes;
-  found.rest_T = found.zeros_T = mean_T;
-  if (!FitKnown(shapes, core_T2_A2, mean_T, sizes)) return false;
+  const Shapes shapes = ShapesOf(model);
+  std::array<double, Shapes::kFitted> sizes;
+  found.zeros_T = mean_T;
+  if (!FitShapes(shapes, core_T2_A2, mean_T, sizes)) return false;
   TakeOff(shapes, sizes, found.zeros_T);
-  if (!FitKnown(shapes, 0, mean_T, sizes)) return false;
-  TakeOff(shapes, sizes, found.rest_T);
-  std::copy_n(sizes.begin(), kUniform, found.uniform_base_T.begin());
-  for (std::size_t a = 1; a < kShapes; ++a) {  // Gram-Schmidt
-    for (std::size_t b = 0; b < a; ++b) Remove(shapes[b], shapes[a]);
-  }
-  const double all_T2 = Dot(found.rest_T, found.rest_T);
-  Rows other_T = found.rest_T;
-  for (std::size_t a = kKnown; a < kShapes; ++a) Remove(shapes[a], other_T);
-  const double other_T2 = Dot(other_T, other_T);
-  found.rest_T2 = all_T2 / kRows;
-  found.gradient = (all_T2 - other_T2) / kGradients / (other_T2 / kRest);
-  return std::isfinite(found.gradient);
+  FieldSplit<base::kCoilCount> split;
+  if (!SplitField(shapes, mean_T, split) || !std::isfinite(split.gradient)) return false;
+  std::copy_n(split.sizes.begin(), kUniformShapes, found.uniform_base_T.begin());
+  found.rest_T2 = split.rest_T2;
+  found.gradient = split.gradient;
+  return true;
 }
 
 // All 24 readings, without background and coils; false: one is unusable, or coils are on.
@@ -162,7 +95,7 @@ void WidenZeros(const AwayOptions& options, std::int64_t t_ns, Away& away) noexc
 // x <- x + k rest, k = P / (P + R), P <- (1 - k) P                                       docs/theory/tracking.md (29)
 void LearnZeros(const AwayOptions& options, const Rows& rest_T, Away& away) noexcept {
   const double gain = away.zero_variance_T2 / (away.zero_variance_T2 + Square(options.window_error_T));
-  for (std::size_t row = 0; row < kRows; ++row) away.zero_T[row] += gain * rest_T[row];
+  for (std::size_t row = 0; row < rest_T.size(); ++row) away.zero_T[row] += gain * rest_T[row];
   away.zero_variance_T2 *= 1 - gain;
   away.learnt = true;
 }
