@@ -130,7 +130,6 @@ std::string PoseText(const TrackedPose& pose) {
 base::Result<std::vector<TrackedRow>> TrackRecording(const base::Calibration& array, const Recording& recording,
                                                      const TrackOptions& options) {
   tracker::StaticOptions solve;
-  solve.trust.field_max_T = kFieldMax_T;
   solve.trust.currents_hidden = options.currents == TrackCurrents::kHidden;
   solve.chi2_max = options.chi2_max;
   const auto solver = tracker::StaticSolver::Make(array, solve);

@@ -40,7 +40,7 @@ double AddSensor(const Model& model, const Trust& trust, const base::Vec3& B, un
   double tool_square = 0, coil_square = 0, rate_square = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     tool_T[axis] = field_T[axis] - coils.field_T[axis] - model.background_sensor_T[axis][i];
-    usable[axis] = ((saturated_axes >> axis) & 1u) == 0 && std::abs(tool_T[axis]) <= trust.field_max_T;
+    usable[axis] = ((saturated_axes >> axis) & 1u) == 0 && std::abs(tool_T[axis]) <= model.field_max_T;
     if (usable[axis]) tool_square += Square(tool_T[axis]);
     coil_square += Square(coils.field_T[axis]);
     rate_square += Square(coils.rate_T_s[axis]);

@@ -24,7 +24,6 @@ struct Trust {
   std::uint32_t sensors_out = 0;         // bit i: sensor i is not used
   double age_error_s = 2e-5;             // of a sensor's age
   double current_age_s = 3.75e-4;        // mean currents: of the ends of 4 control steps, this long before the tick's
-  double field_max_T = 5e-3;             // a larger value is not a reading
 };
 
 // Nothing but sensor noise: for readings whose model is exact.

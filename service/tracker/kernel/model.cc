@@ -12,6 +12,9 @@
 namespace omni::tracker {
 namespace {
 
+constexpr double kRanges = 4;        // of a sensor: the coils' field has been subtracted from its reading
+constexpr double kFieldMax_T = 1e3;  // of sensors whose range is not known
+
 using Eigen::Vector3d;
 
 // s' = (a/r)^2 s, n = s/r, kappa (a/r)^3, kappa a/r^2. docs/theory/tracking.md (1)
@@ -171,6 +174,7 @@ Model MakeModel(const base::Calibration& in_base, Rung rung) {
                                    : calibration.magnet.half_height_m;
   model.hull_radius_m = calibration.hull_radius_m;
   model.tip_offset_m = calibration.magnet.tip_offset_m;
+  model.field_max_T = calibration.sensor_range_T > 0 ? kRanges * calibration.sensor_range_T : kFieldMax_T;
   model.expected_error_m = calibration.expected_error_m;
   using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   Eigen::Map<RowMajor3d>(model.core_current_A_T.data()) = magnetics::CoreCurrents(calibration);

@@ -60,6 +60,7 @@ struct Model {
   double hull_radius_m = 0;
   std::array<double, 3> core_centre_base_m{};  // from here poses of the model and of its fits are measured
   double tip_offset_m = 0;
+  double field_max_T = 0;                    // of the tool; a larger value is not a reading
   std::array<double, 9> core_current_A_T{};  // row-major, magnetics::CoreCurrents
   double expected_error_m = 0;               // rms of the position, that the calibration leaves; 0: unknown
   SteelMirror steel;

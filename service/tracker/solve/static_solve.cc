@@ -102,9 +102,7 @@ StaticSolver::StaticSolver(Model model, const StaticOptions& options) : model_(s
 
 base::Result<StaticSolver> StaticSolver::Make(const base::Calibration& calibration, const StaticOptions& options) {
   if (const base::Status status = Check(calibration); !status.ok()) return base::Error{status.error()};
-  StaticOptions used = options;
-  used.trust.field_max_T = calibration.sensor_range_T > 0 ? 4 * calibration.sensor_range_T : 1e3;
-  return StaticSolver(MakeModel(calibration, options.rung), used);
+  return StaticSolver(MakeModel(calibration, options.rung), options);
 }
 
 StaticPose StaticSolver::Solve(std::span<const ArrayReading> readings,
