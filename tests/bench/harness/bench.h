@@ -72,6 +72,10 @@ base::Result<BenchRows> BenchLatency(const BenchOptions& options);
 // currents.
 base::Result<BenchRows> BenchTracking(const BenchOptions& options);
 
+// Effect of each number of the tracker's options: number, factor, error_change_pct, sigma_change_pct, posed_change,
+// silent_change, reports_changed, no_effect; each the greatest over bases and rooms.
+base::Result<BenchRows> BenchNumbers(const BenchOptions& options);
+
 // Tracking outside a laboratory: condition, force, rigs, ticks, seed, tracked_fraction, coarse_fraction, mean_mm,
 // p95_mm, sigma_mm, silent_fraction, pushed_silent_fraction (under force: silent, and a force was requested),
 // worst_rig_mm (of a base's mean error over all its poses), recovery_ms_p95, force_error_p50_pct, force_error_p95_pct,

@@ -27,6 +27,8 @@ constexpr Bench kBenches[] = {
     {"ipc", "OpenXR calls through the layer, and reads of the state memory", BenchIpc},
     {"layer", "the OpenXR layer: cost of calls, memory, latency, error of predicted poses", BenchLayer},
     {"tracking", "error of the tracker against the twin", BenchTracking},
+    {"numbers", "every number of the tracker's options, scaled by .7 and 1.4, on the same scans (a simulation)",
+     BenchNumbers},
     {"room", "tracking beside steel, magnets, bad sensors and in a field that changes (a simulation)", BenchRoom},
     {"dynamics", "tracking of a pen that starts, stops, trembles and rests (a simulation)", BenchDynamics},
     {"solver", "run time and error of solvers on the same poses", BenchSolver},

@@ -30,6 +30,7 @@
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"
 #include "tests/bench/harness/room_conditions.h"
+#include "tests/bench/tracking/pressed_box.h"
 #include "tests/support/rig/magnet_of_scan.h"
 #include "tests/support/rig/trace.h"
 
@@ -46,7 +47,6 @@ constexpr double kRecovered_s = 0.05;  // tracked for so long
 constexpr double kForce_N = 0.3;       // a smaller one is not judged
 constexpr double kPushed_N = 0.02;     // a larger one can be felt
 constexpr double kAbove_s = 1;         // as-drawn: the pen rests above the base at first
-constexpr double kBox_m = 0.12, kBoxTop_m = 0.03;
 constexpr const char* kPlayedScenes[] = {"extrusion", "dragon", "racetrack"};
 
 struct Tally {
@@ -145,26 +145,6 @@ class Judge {
   Tally tally_;
   std::vector<bool> tracked_;
 };
-
-// A box on the base, which the hand presses as it moves.
-base::Result<haptics::Scene> Box() {
-  haptics::InputObject box;
-  box.name = "box";
-  for (const double z_m : {-0.02, kBoxTop_m}) {
-    box.vertices_base_m.insert(
-        box.vertices_base_m.end(),
-        {{-kBox_m, -kBox_m, z_m}, {kBox_m, -kBox_m, z_m}, {kBox_m, kBox_m, z_m}, {-kBox_m, kBox_m, z_m}});
-  }
-  box.triangles = {{4, 5, 6}, {4, 6, 7}, {0, 2, 1}, {0, 3, 2}, {0, 1, 5}, {0, 5, 4},
-                   {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
-  box.triangle_material.assign(box.triangles.size(), 0);
-  haptics::SceneInput input;
-  input.name = "box";
-  input.materials.emplace_back();
-  input.objects.push_back(std::move(box));
-  haptics::BuildReport report;
-  return haptics::BuildScene(input, report);
-}
 
 // The whole loop: the tick renders the scene, and the hand yields to the coils' true force.
 void Press(const base::DeviceGeometry& device, const loop::TickConfig& config, const TruthParameters& truth,
@@ -371,7 +351,7 @@ base::Result<BenchRows> BenchRoom(const BenchOptions& options) {
   const bool pairs = is_wanted(kPairs);
   const std::size_t rigs = options.quick ? 2 : kRigs;
   const double run_s = options.quick ? 12 : kRoomRun_s;
-  const auto box = Box();
+  const auto box = PressedBox();
   if (!box.ok()) return base::Error{box.error()};
   std::vector<std::string> names;
   for (const RoomCondition& condition : conditions) names.push_back(condition.name);
