@@ -21,6 +21,8 @@ struct BenchOptions {
   std::string mesh;               // collision: a .glb file instead of the bench's own bodies
   double hours = 10;              // stress: virtual time of the drift run
   std::string conditions;         // room: only these, separated by commas; empty: all
+  std::uint64_t bases = 0;        // numbers: 0: the bench's own number
+  std::string resume;             // numbers: file with what is done; empty: none
 };
 
 // Benches that draw rigs and poses use three seeds; the same --seed gives the same ones.

@@ -75,6 +75,8 @@ void AddBenches(Command& app) {
     sub.Add("--cold-solves", options->cold_solves, "solver: cold starts to search for failures")
         .Range(std::uint64_t{1}, kMost);
     sub.Add("--condition", options->conditions, "room: only these conditions, separated by commas");
+    sub.Add("--bases", options->bases, "numbers: so many").Range(std::uint64_t{1}, std::uint64_t{100});
+    sub.Add("--resume", options->resume, "numbers: keeps here what is done, and goes on from it");
     sub.Add("--hours", options->hours, "stress: virtual time of the drift run").Range(0.0, 1000.0);
     sub.Run([&bench, options, json_path] { return RunBench(bench, *options, *json_path); });
   }

@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "service/base/in_parallel.h"
@@ -32,10 +34,8 @@ constexpr std::array<double, 2> kFactors{0.7, 1.4};
 // A change that is no effect: of mean error and of the median of published sigmas, relative; of the shares of ticks
 // with a pose, with an error beyond five sigma, and with another report.
 constexpr double kSameError = 0.005, kSameSigma = 0.005, kSameShare = 5e-4;
-constexpr const char* kConditions[] = {"room",      "as-drawn",       "ambient-20uT", "turning-90",
-                                       "steel-150", "second-pen-200", "gain-3",       "stuck",
-                                       "mains-5uT", "pen-0.90",       "offsets-50mG"};
-constexpr const char* kComesAndGoes = "comes-and-goes";
+constexpr const char* kComesAndGoes = "comes-and-goes";        // of the pen, in the room
+constexpr const char* kBesideFromStart = "beside-from-start";  // a second pen, before the first scan
 constexpr double kStay_s = 1.5, kGone_s = 1;
 
 struct RecordedScan {
@@ -127,63 +127,133 @@ std::vector<RecordedScan> Press(const base::DeviceGeometry& device, const loop::
   return scans;
 }
 
-// Of one base, in all rooms. Error: a calibration was refused.
-base::Result<std::vector<Recording>> Record(std::uint64_t seed, const haptics::Scene& scene) {
-  const base::DeviceGeometry device = FastDevice();
-  std::vector<Recording> recordings;
-  std::map<std::string, loop::TickConfig> configs;
+// What is recorded of each base: makes the scans, given the base's configuration in those surroundings.
+struct Plan {
+  std::string name;
+  RoomCondition condition;
+  std::function<std::vector<RecordedScan>(const loop::TickConfig&, const base::TruthParameters&, std::uint64_t seed)>
+      record;
+};
+
+std::vector<Plan> Plans(const base::DeviceGeometry& device, const haptics::Scene& scene) {
+  std::vector<Plan> plans;
+  const auto wave = [&device](const loop::TickConfig&, const base::TruthParameters& truth, std::uint64_t seed) {
+    std::vector<RecordedScan> scans;
+    AddWave(device, truth, seed, {.duration_s = kRun_s, .seed = seed + 1, .motion = Waving(seed + 2)}, scans);
+    return scans;
+  };
   for (const RoomCondition& condition : RoomConditions()) {
-    if (std::find(std::begin(kConditions), std::end(kConditions), condition.name) == std::end(kConditions)) continue;
-    const std::string surroundings = SurroundingsOf(condition);
-    if (configs.count(surroundings) == 0) {
-      auto config = ConfigIn(condition, device, seed);
-      if (!config.ok()) return base::Error{condition.name + ": " + config.error()};
-      configs.emplace(surroundings, *std::move(config));
-    }
-    const loop::TickConfig& config = configs.at(surroundings);
-    base::TruthParameters truth = RoomOf(condition);
-    sim::Random draw(seed ^ 0xA11);
-    if (condition.later) condition.later(truth, draw);
-    Recording waved{.name = condition.name, .config = config.tracker};
-    AddWave(device, truth, seed, {.duration_s = kRun_s, .seed = seed + 1, .motion = Waving(seed + 2)}, waved.scans);
-    recordings.push_back(std::move(waved));
-    recordings.push_back({condition.name + ", pressed", config.tracker, Press(device, config, truth, seed, scene)});
-    if (condition.name != "room") continue;
-    Recording comes{.name = kComesAndGoes, .config = config.tracker};
-    for (std::uint64_t k = 0; k < 4; ++k) {
-      AddWave(device, truth, seed, {.duration_s = kGone_s, .seed = seed + 10 + k, .present = false}, comes.scans);
-      AddWave(device, truth, seed, {.duration_s = kStay_s, .seed = seed + 20 + k, .motion = Waving(seed + 30 + k)},
-              comes.scans);
-    }
-    recordings.push_back(std::move(comes));
+    plans.push_back({condition.name, condition, wave});
+    plans.push_back({condition.name + ", pressed", condition,
+                     [&](const loop::TickConfig& config, const base::TruthParameters& truth, std::uint64_t seed) {
+                       return Press(device, config, truth, seed, scene);
+                     }});
   }
-  return recordings;
+  plans.push_back({kComesAndGoes, {"room"}, [&device](const auto&, const auto& truth, std::uint64_t seed) {
+                     std::vector<RecordedScan> scans;
+                     for (std::uint64_t k = 0; k < 4; ++k) {
+                       AddWave(device, truth, seed, {.duration_s = kGone_s, .seed = seed + 10 + k, .present = false},
+                               scans);
+                       AddWave(device, truth, seed,
+                               {.duration_s = kStay_s, .seed = seed + 20 + k, .motion = Waving(seed + 30 + k)}, scans);
+                     }
+                     return scans;
+                   }});
+  RoomCondition beside{"room"};
+  beside.later = [](base::TruthParameters& truth, sim::Random& draw) {
+    for (const RoomCondition& condition : RoomConditions()) {
+      if (condition.name == "second-pen-300") condition.later(truth, draw);
+    }
+    truth.effects.room.magnets.back().leaves_s = truth.effects.room.magnets.back().arrives_s = 0;
+  };
+  plans.push_back({kBesideFromStart, beside, wave});
+  return plans;
 }
 
-// The greatest change over all recordings.
-struct Effect {
-  double error = 0, sigma = 0, posed = 0, silent = 0, reports = 0;
-  std::string of_error;  // the recording
+// Configurations of one base, each calibrated once.
+class Base {
+ public:
+  explicit Base(std::uint64_t seed) : seed_(seed) {}
 
-  void Add(const std::string& name, const Result& before, const Result& now) {
-    const auto keep = [](double change, double& most) {
-      const bool more = std::abs(change) > std::abs(most);
-      if (more) most = change;
-      return more;
-    };
-    if (keep(now.mean_mm / before.mean_mm - 1, error)) of_error = name;
-    keep(now.sigma_mm / before.sigma_mm - 1, sigma);
-    keep(now.posed - before.posed, posed);
-    keep(now.silent - before.silent, silent);
-    double other = 0;
-    for (std::size_t i = 0; i < before.reports.size(); ++i) other += before.reports[i] != now.reports[i] ? 1 : 0;
-    keep(other / static_cast<double>(before.reports.size()), reports);
+  base::Result<Recording> Record(const Plan& plan) {
+    const std::string surroundings = SurroundingsOf(plan.condition);
+    if (configs_.count(surroundings) == 0) {
+      auto config = ConfigIn(plan.condition, device_, seed_);
+      if (!config.ok()) return base::Error{plan.name + ": " + config.error()};
+      configs_.emplace(surroundings, *std::move(config));
+    }
+    const loop::TickConfig& config = configs_.at(surroundings);
+    base::TruthParameters truth = RoomOf(plan.condition);
+    sim::Random draw(seed_ ^ 0xA11);
+    if (plan.condition.later) plan.condition.later(truth, draw);
+    return Recording{plan.name, config.tracker, plan.record(config, truth, seed_)};
   }
+
+ private:
+  std::uint64_t seed_;
+  base::DeviceGeometry device_ = FastDevice();
+  std::map<std::string, loop::TickConfig> configs_;
+};
+
+// By how much a run differs: relative in mean error and median sigma; in shares of ticks.
+struct Change {
+  double error = 0, sigma = 0, posed = 0, silent = 0, reports = 0;
+
   bool none() const {
     return std::abs(error) < kSameError && std::abs(sigma) < kSameSigma && std::abs(posed) < kSameShare &&
            std::abs(silent) < kSameShare && reports < kSameShare;
   }
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Change, error, sigma, posed, silent, reports)
+
+Change ChangeOf(const Result& before, const Result& now) {
+  const auto relative = [](double after, double was) { return was > 0 ? after / was - 1 : 0; };
+  double other = 0;
+  for (std::size_t i = 0; i < before.reports.size(); ++i) other += before.reports[i] != now.reports[i] ? 1 : 0;
+  return {relative(now.mean_mm, before.mean_mm), relative(now.sigma_mm, before.sigma_mm), now.posed - before.posed,
+          now.silent - before.silent, other / static_cast<double>(before.reports.size())};
+}
+
+// The greatest change over all recordings, each in its own.
+struct Effect {
+  Change most;
+  std::string of_error;  // the recording
+
+  void Add(const std::string& name, const Change& now) {
+    if (std::abs(now.error) > std::abs(most.error)) of_error = name;
+    for (double Change::*part : {&Change::error, &Change::sigma, &Change::posed, &Change::silent, &Change::reports}) {
+      if (std::abs(now.*part) > std::abs(most.*part)) most.*part = now.*part;
+    }
+  }
+};
+
+using Changes = std::vector<std::array<Change, kFactors.size()>>;  // by number
+
+Changes Try(const Recording& recording, std::size_t numbers, std::size_t every) {
+  const Result before = Track(recording, recording.config);
+  Changes changes(numbers);
+  base::InParallel(numbers, [&](std::size_t n) {
+    for (std::size_t f = 0; f < kFactors.size() && n % every == 0; ++f) {
+      tracker::Config config = recording.config;
+      Scale(kFactors[f], TrackerNumbers(config)[n]);
+      changes[n][f] = ChangeOf(before, Track(recording, config));
+    }
+  });
+  return changes;
+}
+
+using Done = std::map<std::pair<std::uint64_t, std::string>, Changes>;  // by seed and recording
+
+Done ReadDone(const std::string& path) {
+  Done done;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    const auto json = nlohmann::json::parse(line, nullptr, false);
+    if (json.is_discarded()) break;  // of a run that was ended there
+    done[{json.at("seed"), json.at("recording")}] = json.at("changes").get<Changes>();
+  }
+  return done;
+}
 
 }  // namespace
 
@@ -192,41 +262,49 @@ base::Result<BenchRows> BenchNumbers(const BenchOptions& options) {
   if (!box.ok()) return base::Error{box.error()};
   tracker::Config plain;
   const std::vector<TrackerNumber> listed = TrackerNumbers(plain);
+  const std::size_t bases = options.quick       ? 1
+                            : options.bases > 0 ? options.bases
+                                                : kBases,
+                    every = options.quick ? 16 : 1;
+  const base::DeviceGeometry device = FastDevice();
+  std::vector<Plan> plans = Plans(device, *box);
+  if (options.quick) plans.resize(4);
+  Done done = ReadDone(options.resume);
   std::vector<std::array<Effect, kFactors.size()>> effects(listed.size());
-  const std::size_t bases = options.quick ? 1 : kBases;
   for (std::size_t b = 0; b < bases; ++b) {
-    const auto recordings = Record(1000 * options.seed + 10 * b, *box);
-    if (!recordings.ok()) return base::Error{recordings.error()};
-    std::vector<Result> before(recordings->size());
-    base::InParallel(before.size(),
-                     [&](std::size_t r) { before[r] = Track((*recordings)[r], (*recordings)[r].config); });
-    base::InParallel(listed.size(), [&](std::size_t n) {
-      if (options.quick && n % 16 != 0) return;
-      for (std::size_t r = 0; r < recordings->size(); ++r) {
-        for (std::size_t f = 0; f < kFactors.size(); ++f) {
-          tracker::Config config = (*recordings)[r].config;
-          Scale(kFactors[f], TrackerNumbers(config)[n]);
-          effects[n][f].Add((*recordings)[r].name, before[r], Track((*recordings)[r], config));
+    const std::uint64_t seed = 1000 * options.seed + 10 * b;
+    Base base(seed);
+    for (const Plan& plan : plans) {
+      Changes& changes = done[{seed, plan.name}];
+      if (changes.size() != listed.size()) {
+        const auto recording = base.Record(plan);
+        if (!recording.ok()) return base::Error{recording.error()};
+        changes = Try(*recording, listed.size(), every);
+        if (!options.resume.empty()) {
+          std::ofstream(options.resume, std::ios::app)
+              << nlohmann::json{{"seed", seed}, {"recording", plan.name}, {"changes", changes}} << std::endl;
         }
       }
-    });
+      for (std::size_t n = 0; n < listed.size(); n += every) {
+        for (std::size_t f = 0; f < kFactors.size(); ++f) effects[n][f].Add(plan.name, changes[n][f]);
+      }
+    }
   }
   BenchRows rows;
-  for (std::size_t n = 0; n < listed.size(); ++n) {
-    if (options.quick && n % 16 != 0) continue;
+  for (std::size_t n = 0; n < listed.size(); n += every) {
     for (std::size_t f = 0; f < kFactors.size(); ++f) {
-      const Effect& effect = effects[n][f];
+      const Change& most = effects[n][f].most;
       rows.push_back({{"number", listed[n].name},
                       {"factor", kFactors[f]},
                       {"bases", bases},
                       {"seed", options.seed},
-                      {"error_change_pct", 100 * effect.error},
-                      {"most_in", effect.of_error},
-                      {"sigma_change_pct", 100 * effect.sigma},
-                      {"posed_change", effect.posed},
-                      {"silent_change", effect.silent},
-                      {"reports_changed", effect.reports},
-                      {"no_effect", effect.none()}});
+                      {"error_change_pct", 100 * most.error},
+                      {"most_in", effects[n][f].of_error},
+                      {"sigma_change_pct", 100 * most.sigma},
+                      {"posed_change", most.posed},
+                      {"silent_change", most.silent},
+                      {"reports_changed", most.reports},
+                      {"no_effect", most.none()}});
     }
   }
   return rows;
