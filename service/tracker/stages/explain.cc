@@ -23,7 +23,7 @@ bool Fits(const Hypothesis& row, Trial& trial, Measurement& measurement, Outcome
 // Measures and fits under the row's assumption; adopts both if the fit is accepted. The first row that assumes nothing
 // takes the measurement that is there. False: the row is not tried in this scan.
 bool Try(const Hypothesis& row, Trial& trial) noexcept {
-  if (!row.applies(trial)) return false;
+  if (row.applies != nullptr && !row.applies(trial)) return false;
   trial.proposal = {};
   if (row.propose != nullptr && !row.propose(trial)) return false;
   Explanation& best = trial.best;

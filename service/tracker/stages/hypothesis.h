@@ -46,9 +46,9 @@ struct Trial {
 // A row of a table. What its functions change in `trial.state` stays, whether the fit is accepted or not.
 struct Hypothesis {
   const char* name;
-  int times;  // that it is tried in turn, each time otherwise
-  bool (*applies)(const Trial& trial) noexcept;
-  bool (*propose)(Trial& trial) noexcept;  // false: not in this scan; null: nothing is assumed
+  int times;                                     // that it is tried in turn, each time otherwise
+  bool (*applies)(const Trial& trial) noexcept;  // null: always
+  bool (*propose)(Trial& trial) noexcept;        // false: not in this scan; null: nothing is assumed
   Outcome (*fit)(Trial& trial, Measurement& measurement) noexcept;
   double position_variance_max_m2;  // trace of the covariance; not for hidden currents
   // A fit that is good so far; null: it is accepted. May replace both, and what is proposed.
@@ -56,7 +56,6 @@ struct Hypothesis {
 };
 
 inline constexpr double kAnyVariance_m2 = std::numeric_limits<double>::infinity();
-inline bool AppliesAlways(const Trial&) noexcept { return true; }
 
 std::span<const Hypothesis> WarmHypotheses() noexcept;  // each scan of a pen that was tracked: in turn
 std::span<const Hypothesis> ColdHypotheses() noexcept;  // each cold start: the next that applies

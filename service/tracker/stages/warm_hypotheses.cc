@@ -71,7 +71,7 @@ bool BelieveMagnet(Trial& trial) noexcept {
 }
 
 constexpr Hypothesis kRows[] = {
-    {"as predicted", 1, AppliesAlways, nullptr, FromPrediction, kAnyVariance_m2, nullptr},
+    {"as predicted", 1, nullptr, nullptr, FromPrediction, kAnyVariance_m2, nullptr},
     {"field jumped", 1, FitsOddly, OpenField, FromPrediction, kAnyVariance_m2, SavesEnough},
     {"magnet loosened", 1, MayHaveLoosened, LoosenMagnet, FromPrediction, kAnyVariance_m2, nullptr},
     {"one sensor wrong", 1, IsUnexplained, BlameWorst, FromPrediction, kAnyVariance_m2, nullptr},
