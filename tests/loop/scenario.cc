@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "service/base/limits.h"
@@ -225,6 +226,21 @@ TEST(LoopScenario, BodyThatAppearsAroundTheTipActsOnceTheTipWasOutside) {
   EXPECT_GT(said, 100);  // samples have the flag `waits`
   EXPECT_TRUE(was_out);
   EXPECT_GT(again_N, 0.1);
+}
+
+// A scene that an application changes while it is touched, and one that comes back with the base or omnid, act at once.
+TEST(LoopScenario, OnlyASceneThatAppearsWaitsForTheTip) {
+  const haptics::Scene nothing;
+  for (const bool touching : {false, true}) {
+    for (const std::uint64_t tick : {0U, 499U, 500U, 10'000U}) {
+      const auto state = std::make_unique<loop::LoopState>();
+      state->tick = tick;
+      state->haptics.contacts[0].active = touching;
+      loop::EnterScene(nothing, 2, *state);
+      EXPECT_EQ(state->haptics.appears, !touching && tick >= 500) << tick;
+      EXPECT_EQ(state->scene_generation, 2U);
+    }
+  }
 }
 
 TEST(LoopScenario, AbsentPenGetsNoForceAndIsTrackedAgain) {
