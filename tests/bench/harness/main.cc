@@ -74,7 +74,8 @@ void AddBenches(Command& app) {
     sub.Add("--mesh", options->mesh, "collision: a .glb file instead of the bench's own bodies").ExistingFile();
     sub.Add("--cold-solves", options->cold_solves, "solver: cold starts to search for failures")
         .Range(std::uint64_t{1}, kMost);
-    sub.Add("--condition", options->conditions, "room: only these conditions, separated by commas");
+    sub.Add("--condition", options->conditions,
+            "room: only these conditions, separated by commas; numbers: only this one");
     sub.Add("--bases", options->bases, "numbers: so many").Range(std::uint64_t{1}, std::uint64_t{100});
     sub.Add("--resume", options->resume, "numbers: keeps here what is done, and goes on from it");
     sub.Add("--hours", options->hours, "stress: virtual time of the drift run").Range(0.0, 1000.0);

@@ -10,6 +10,7 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -36,6 +37,8 @@ constexpr std::array<double, 2> kFactors{0.7, 1.4};
 constexpr double kSameError = 0.005, kSameSigma = 0.005, kSameShare = 5e-4;
 constexpr const char* kComesAndGoes = "comes-and-goes";        // of the pen, in the room
 constexpr const char* kBesideFromStart = "beside-from-start";  // a second pen, before the first scan
+constexpr const char* kRests = "rests";
+constexpr const char* kInterrupted = "interrupted";
 constexpr double kStay_s = 1.5, kGone_s = 1;
 
 struct RecordedScan {
@@ -105,9 +108,9 @@ void AddWave(const base::DeviceGeometry& device, const base::TruthParameters& tr
 }
 
 std::vector<RecordedScan> Press(const base::DeviceGeometry& device, const loop::TickConfig& config,
-                                const base::TruthParameters& truth, std::uint64_t seed, const haptics::Scene& scene) {
-  sim::PlantOptions plant{.seed = seed,
-                          .script = sim::MakeOrdinaryHand(device, {.seed = seed + 2, .duration_s = kRun_s})};
+                                const base::TruthParameters& truth, std::uint64_t seed, const haptics::Scene& scene,
+                                const sim::HandScript& hand) {
+  sim::PlantOptions plant{.seed = seed, .script = hand};
   plant.truth = truth;
   sim::Loopback base(device, plant);
   const auto state = std::make_unique<loop::LoopState>();
@@ -125,6 +128,34 @@ std::vector<RecordedScan> Press(const base::DeviceGeometry& device, const loop::
     base.Write(output->currents);
   }
   return scans;
+}
+
+// Brought, laid down for six seconds, turned and laid down again.
+sim::HandScript RestingHand() {
+  sim::HandScript hand = sim::MakeOrdinaryHand(FastDevice(), {.seed = 1, .duration_s = kRun_s});
+  hand.waypoints.clear();
+  const base::Vec3 here{0.01, 0.02, 0.06}, there{-0.02, 0.01, 0.065};
+  const base::Vec3 down{0, 0, -1}, tilted{0.3, 0, -0.954};
+  for (const auto& [duration_s, tip_m, axis] : {std::tuple{0.5, there, down},
+                                                {0.5, here, down},
+                                                {5.5, here, down},
+                                                {0.5, there, tilted},
+                                                {3.0, there, tilted}}) {
+    hand.waypoints.push_back({.duration_s = duration_s, .tip_base_m = tip_m, .axis_base = axis});
+  }
+  return hand;
+}
+
+// Now and then one scan is wrong, readings are missing for 30 ms, or the clock stands still.
+void Interrupt(std::vector<RecordedScan>& scans) {
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    base::HallScan& scan = scans[i].scan;
+    const std::size_t phase = i % 900;
+    if (phase == 300) scan.field_sensor_T[i / 900 % base::kSensorCount].x += 1e-4;
+    if (phase >= 600 && phase < 630) scan.fresh_mask = 0;
+    if (phase >= 600 && phase < 630) scan.age_ns.fill(2 * base::kSampleAgeMax_ns);
+    if (phase >= 800 && phase < 825) scan.t_ns = scans[i - 1].scan.t_ns;
+  }
 }
 
 // What is recorded of each base: makes the scans, given the base's configuration in those surroundings.
@@ -146,7 +177,8 @@ std::vector<Plan> Plans(const base::DeviceGeometry& device, const haptics::Scene
     plans.push_back({condition.name, condition, wave});
     plans.push_back({condition.name + ", pressed", condition,
                      [&](const loop::TickConfig& config, const base::TruthParameters& truth, std::uint64_t seed) {
-                       return Press(device, config, truth, seed, scene);
+                       return Press(device, config, truth, seed, scene,
+                                    sim::MakeOrdinaryHand(device, {.seed = seed + 2, .duration_s = kRun_s}));
                      }});
   }
   plans.push_back({kComesAndGoes, {"room"}, [&device](const auto&, const auto& truth, std::uint64_t seed) {
@@ -157,6 +189,14 @@ std::vector<Plan> Plans(const base::DeviceGeometry& device, const haptics::Scene
                        AddWave(device, truth, seed,
                                {.duration_s = kStay_s, .seed = seed + 20 + k, .motion = Waving(seed + 30 + k)}, scans);
                      }
+                     return scans;
+                   }});
+  plans.push_back({kRests, {"room"}, [&device](const auto& config, const auto& truth, std::uint64_t seed) {
+                     return Press(device, config, truth, seed, {}, RestingHand());
+                   }});
+  plans.push_back({kInterrupted, {"room"}, [wave](const auto& config, const auto& truth, std::uint64_t seed) {
+                     std::vector<RecordedScan> scans = wave(config, truth, seed);
+                     Interrupt(scans);
                      return scans;
                    }});
   RoomCondition beside{"room"};
@@ -268,7 +308,13 @@ base::Result<BenchRows> BenchNumbers(const BenchOptions& options) {
                     every = options.quick ? 16 : 1;
   const base::DeviceGeometry device = FastDevice();
   std::vector<Plan> plans = Plans(device, *box);
-  if (options.quick) plans.resize(4);
+  if (options.quick && options.conditions.empty()) plans.resize(4);
+  if (!options.conditions.empty()) {
+    std::erase_if(plans, [&](const Plan& plan) {
+      return plan.condition.name != options.conditions && plan.name != options.conditions;
+    });
+    if (plans.empty()) return base::Error{options.conditions + ": unknown condition"};
+  }
   Done done = ReadDone(options.resume);
   std::vector<std::array<Effect, kFactors.size()>> effects(listed.size());
   for (std::size_t b = 0; b < bases; ++b) {
