@@ -1,10 +1,14 @@
-// omni-bench kernels: the vector kernels of tracker, actuation and twin, by instruction set and precision.
+// omni-bench kernels: the vector kernels of tracker, actuation and twin, by instruction set and precision; inverses.
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "service/actuation/force_kernel.h"
 #include "service/sim/fields/charge_kernel.h"
 #include "service/sim/fields/random.h"
+#include "service/tracker/kernel/cholesky.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/idle_timing.h"
 #include "tests/support/rig/kernel_scene.h"
@@ -96,6 +100,32 @@ void TimeTwin(const Plan& plan, sim::ChargeSum sum, const char* name) {
             [&](std::uint64_t) { sum(x.data(), y.data(), z.data(), q.data(), kCharges, point, out); });
 }
 
+// The inverse of a symmetric positive definite matrix, as the tracker needs it in the tick: its own factorisation
+// beside that of Eigen, of the size known when it is compiled.
+template <int kSize>
+void TimeInverse(const Plan& plan) {
+  using Matrix = Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>;
+  sim::Random random(3);
+  Matrix root;
+  for (double& x : root.reshaped()) x = random.Normal();
+  const Matrix given = root * root.transpose() + Matrix::Identity();
+  const std::string part = "tracker: inverse of " + std::to_string(kSize) + " x " + std::to_string(kSize);
+  double sum = 0;
+  plan.Time(part.c_str(), "own", "double", [&](std::uint64_t n) {
+    Matrix inverse = given;
+    inverse(0, 0) += 1e-9 * static_cast<double>(n);
+    tracker::InvertPositive<kSize>(inverse.data(), kSize);
+    sum += inverse(1, 0);
+  });
+  plan.Time(part.c_str(), "Eigen", "double", [&](std::uint64_t n) {
+    Matrix matrix = given;
+    matrix(0, 0) += 1e-9 * static_cast<double>(n);
+    const Matrix inverse = matrix.llt().solve(Matrix::Identity());
+    sum += inverse(1, 0);
+  });
+  if (!std::isfinite(sum)) std::abort();  // the results are used
+}
+
 }  // namespace
 
 base::Result<BenchRows> BenchKernels(const BenchOptions& options) {
@@ -107,6 +137,9 @@ base::Result<BenchRows> BenchKernels(const BenchOptions& options) {
     TimeTracker<double>(plan, *kernels.kernels[k], "double");
     TimeSearch(plan, *kernels.kernels[k]);
   }
+  TimeInverse<5>(plan);
+  TimeInverse<7>(plan);
+  TimeInverse<24>(plan);
   TimeActuation(plan, actuation::ForceKernelLevel::kBaseline, "baseline");
   TimeActuation(plan, actuation::ForceKernelLevel::kAvx2, "avx2");
   TimeTwin(plan, sim::ChargeSumBaseline, "baseline");
