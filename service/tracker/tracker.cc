@@ -6,16 +6,15 @@ namespace omni::tracker {
 
 void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool,
             bool pushed) noexcept {
-  Received received;
-  if (Receive(config, scan, state, received)) {
-    Predicted predicted;
-    PredictTo(config, received, pushed, state, predicted);
+  if (IsRepeated(config, scan, state.room)) {
+    PublishRepeated(config, scan, state);
+  } else {
+    const Received received = Receive(config, scan, state);
+    Predicted predicted = PredictTo(config, received, pushed, state);
     Explanation explanation = Explain(config, received, predicted, state);
     const Observation observation{config, received, predicted, explanation};
     if (!Learn(observation, state)) explanation.outcome.good = false;
-    Publish(observation, state);
-  } else {
-    PublishRepeated(config, scan, state);
+    Publish(observation, predicted.filter, state);
   }
   tool = state.pose.published;
 }

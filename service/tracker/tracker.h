@@ -69,8 +69,8 @@ struct PoseState {
 // What is known of base and room, the same for many scans.
 struct RoomState {
   std::uint32_t scans = 0;
-  int old_scans = 0;  // in a row: with the stamp of the previous scan
-  CurrentHistory currents;
+  int old_scans = 0;                         // in a row: with the stamp of the previous scan
+  CurrentHistory currents, currents_before;  // of the coils: with the last scan, and with the one before
   Repetition repetition;
   DriftState drift;
   DriftEvidence evidence;  // of the last scan, used by the next, so that no scan pays for both

@@ -41,7 +41,8 @@ std::vector<Field> Fields() {
   };
   auto& [pose, room, search] = s;
   auto& [ever_tracked, warm, bad_scans, filter_t_ns, cold_scan, filter, published] = pose;
-  auto& [scans, old_scans, currents, repetition, drift, evidence, magnet, mains, doubt, stray, away] = room;
+  auto& [scans, old_scans, currents, currents_before, repetition, drift, evidence, magnet, mains, doubt, stray, away] =
+      room;
   auto& [explained, cold_pause, cold_row, cold_time, pair] = search;
   return {at(ever_tracked, "ever_tracked", "P", ""),
           at(warm, "warm", "LP", "LP"),  // L: a room that cannot exist
@@ -53,6 +54,7 @@ std::vector<Field> Fields() {
           at(scans, "scans", "r", ""),
           at(old_scans, "old_scans", "r", "r"),
           at(currents, "currents", "r", ""),
+          at(currents_before, "currents_before", "r", ""),
           at(repetition, "repetition", "r", ""),
           at(drift, "drift", "rpeL", "L"),
           at(evidence, "evidence", "pL", "L"),
@@ -178,21 +180,20 @@ std::set<std::string> RunStages(const Config& config, const Tamper& tamper, Ledg
   };
   for (int n = 0; n < EventfulMinute::kScans && ledger.complaints().empty(); ++n) {
     const base::HallScan scan = minute.Next();
-    Received received;
-    const bool fresh = Receive(config, scan, *state, received);
-    end(0);
-    if (fresh) {
-      Predicted predicted;
-      PredictTo(config, received, false, *state, predicted);
+    if (IsRepeated(config, scan, state->room)) {
+      end(0);
+      PublishRepeated(config, scan, *state);
+    } else {
+      const Received received = Receive(config, scan, *state);
+      end(0);
+      Predicted predicted = PredictTo(config, received, false, *state);
       end(1);
       Explanation explanation = Explain(config, received, predicted, *state);
       end(2);
       const Observation observation{config, received, predicted, explanation};
       if (!Learn(observation, *state)) explanation.outcome.good = false;
       end(3);
-      Publish(observation, *state);
-    } else {
-      PublishRepeated(config, scan, *state);
+      Publish(observation, predicted.filter, *state);
     }
     end(4);
     Update(config, scan, *whole, tool);

@@ -172,26 +172,26 @@ bool IsOneMagnet(const ScanContext& context, const RoomState& room, const Fit& f
 
 // A magnet that is no pen's is there: then only another one in its place is expected.
 bool IsPens(const Trial& trial) noexcept {
-  return CanDoubt(trial.context.config, trial.state.room) && !(trial.state.room.magnet.foreign_s > 0);
+  return CanDoubt(trial.fixed.config, trial.state.room) && !(trial.state.room.magnet.foreign_s > 0);
 }
 
 // A wrong sensor passes for another pen.
 bool MayBeOther(const Trial& trial) noexcept {
   const RoomState& room = trial.state.room;
-  return CanDoubt(trial.context.config, room) && !room.magnet.identified && room.doubt.left_out < 0;
+  return CanDoubt(trial.fixed.config, room) && !room.magnet.identified && room.doubt.left_out < 0;
 }
 
 bool MayBeOtherInAnyField(const Trial& trial) noexcept { return IsPens(trial) && MayBeOther(trial); }
 
 double ModelErrorOf(const Trial& trial, int doublings) noexcept {
-  const Config& config = trial.context.config;
+  const Config& config = trial.fixed.config;
   if (doublings == 0) return trial.state.room.doubt.model_error;
   const double error = std::max(trial.state.room.doubt.model_error, config.trust.model_error_relative);
   return std::min(std::ldexp(error, doublings), config.doubt.cold_error_max);
 }
 
 bool MayBePoor(const Trial& trial) noexcept {
-  return IsPens(trial) && ModelErrorOf(trial, trial.time) < trial.context.config.doubt.cold_error_max;
+  return IsPens(trial) && ModelErrorOf(trial, trial.time) < trial.fixed.config.doubt.cold_error_max;
 }
 
 bool KeepField(Trial& trial) noexcept {
@@ -202,7 +202,7 @@ bool KeepField(Trial& trial) noexcept {
 bool LeaveOut(int sensor, Trial& trial) noexcept {
   OpenField(trial);
   trial.proposal.doubt = trial.state.room.doubt;
-  Blame(trial.context.config.doubt, sensor, *trial.proposal.doubt);
+  Blame(trial.fixed.config.doubt, sensor, *trial.proposal.doubt);
   return true;
 }
 
@@ -216,24 +216,24 @@ bool DoubleError(Trial& trial) noexcept {
 }
 
 Outcome FromGrid(Trial& trial, Measurement& measurement) noexcept {
-  return FitCold(trial.Context(), trial.drift(), trial.doubt(), measurement);
+  return FitCold(trial.Assumed(), trial.drift(), trial.doubt(), measurement);
 }
 
 Outcome WithMoment(Trial& trial, Measurement& measurement) noexcept {
-  return SeekOtherPen(trial.context, trial.doubt(), *trial.proposal.drift, measurement, trial.state.room.magnet);
+  return SeekOtherPen(trial.fixed, trial.doubt(), *trial.proposal.drift, measurement, trial.state.room.magnet);
 }
 
 // Is it the pen that was there last?
 bool IsPenMet(Trial& trial, Measurement& measurement, Outcome& outcome) noexcept {
   if (!trial.proposal.drift) KeepField(trial);
-  MeetMagnet(trial.context, trial.state.room.drift, trial.doubt(), *trial.proposal.drift, measurement, outcome,
+  MeetMagnet(trial.fixed, trial.state.room.drift, trial.doubt(), *trial.proposal.drift, measurement, outcome,
              trial.state.room.magnet);
   return outcome.good;
 }
 
 // With another ambient field than assumed, a pen far away passes for one in reach, but badly: any field explains more.
 bool IsOfThisField(Trial& trial, Measurement& measurement, Outcome& outcome) noexcept {
-  const ScanContext& context = trial.context;
+  const ScanContext& context = trial.fixed;
   const RoomState& room = trial.state.room;
   if (!CanDoubt(context.config, room)) return true;
   if (outcome.fit.chi2 > kOddly * DegreesOfFreedom(measurement)) {
@@ -246,14 +246,14 @@ bool IsOfThisField(Trial& trial, Measurement& measurement, Outcome& outcome) noe
 }
 
 bool IdentifyOther(Trial& trial, Measurement&, Outcome&) noexcept {
-  IdentifyMagnet(trial.context.config.magnets, *trial.proposal.drift, trial.state.room.magnet);
+  IdentifyMagnet(trial.fixed.config.magnets, *trial.proposal.drift, trial.state.room.magnet);
   return true;
 }
 
 // Of an uncalibrated base: with less of an error than its sensors have, a fit that just passes the gate looks many
 // times as certain as it is.
 bool IsHonest(Trial& trial, Measurement& measurement, Outcome& outcome) noexcept {
-  const DoubtOptions& options = trial.context.config.doubt;
+  const DoubtOptions& options = trial.fixed.config.doubt;
   if (!(std::sqrt(PositionVariance(outcome.fit)) <= options.cold_sigma_max_m)) return false;
   const bool honest = outcome.fit.chi2 <= options.raise_above * DegreesOfFreedom(measurement) ||
                       trial.doubt().model_error >= options.cold_error_max;
@@ -271,12 +271,12 @@ constexpr Hypothesis kCold[] = {
 
 // One more step of the search for a magnet that was there from the start.
 bool SeekMagnet(Trial& trial) noexcept {
-  const Config& config = trial.context.config;
+  const Config& config = trial.fixed.config;
   PairStart& pair = trial.state.search.pair;
   OpenField(trial);
   trial.proposal.doubt.emplace().model_error = std::max(config.doubt.model_error_start, config.stray.model_error);
   if (pair.step == PairStart::Step::kNone) {
-    ScanContext bare = trial.context;
+    ScanContext bare = trial.fixed;
     bare.stray = nullptr;
     BeginPair(config.model, MeasureScan(bare, trial.drift(), trial.doubt()), pair);
     return false;
@@ -286,12 +286,12 @@ bool SeekMagnet(Trial& trial) noexcept {
 }
 
 bool MayBePair(const Trial& trial) noexcept {
-  const Config& config = trial.context.config;
+  const Config& config = trial.fixed.config;
   return config.pair.enabled && config.stray.enabled && IsPens(trial);
 }
 
 bool AreTwo(Trial& trial, Measurement&, Outcome& outcome) noexcept {
-  if (IsOneMagnet(trial.context, trial.state.room, outcome.fit)) return false;
+  if (IsOneMagnet(trial.fixed, trial.state.room, outcome.fit)) return false;
   ConfirmMagnet(*trial.proposal.drift, trial.state.room.magnet);
   return true;
 }

@@ -12,11 +12,10 @@ void Adopt(const Proposal& proposal, RoomState& room) noexcept {
   if (proposal.stray) room.stray = *proposal.stray;
 }
 
-bool Fits(const Hypothesis& row, Trial& trial, Measurement& measurement, Outcome& outcome) noexcept {
-  outcome = row.fit(trial, measurement);
-  if (!outcome.good) return false;
+// A fit that is good so far.
+bool Holds(const Hypothesis& row, Trial& trial, Measurement& measurement, Outcome& outcome) noexcept {
   const bool known = PositionVariance(outcome.fit) <= row.position_variance_max_m2;
-  if (CanDoubt(trial.context.config, trial.state.room) && !known) return false;
+  if (CanDoubt(trial.fixed.config, trial.state.room) && !known) return false;
   return row.accepts == nullptr || row.accepts(trial, measurement, outcome);
 }
 
@@ -24,21 +23,21 @@ bool Fits(const Hypothesis& row, Trial& trial, Measurement& measurement, Outcome
 // takes the measurement that is there. False: the row is not tried in this scan.
 bool Try(const Hypothesis& row, Trial& trial) noexcept {
   if (row.applies != nullptr && !row.applies(trial)) return false;
-  trial.proposal = {};
+  trial.proposal.Reset();
   if (row.propose != nullptr && !row.propose(trial)) return false;
   Explanation& best = trial.best;
   const bool first = best.by == nullptr && row.propose == nullptr;
   std::optional<Measurement> other;
-  if (!first) other = MeasureScan(trial.Context(), trial.drift(), trial.doubt());
-  Outcome outcome;
-  const bool good = Fits(row, trial, other ? *other : best.measurement, outcome);
-  outcome.good = good;
-  if (!good && best.outcome.good) return true;
+  if (!first) other = MeasureScan(trial.Assumed(), trial.drift(), trial.doubt());
+  Measurement& measurement = first ? best.measurement : *other;
+  Outcome outcome = row.fit(trial, measurement);
+  outcome.good = outcome.good && Holds(row, trial, measurement, outcome);
+  if (!outcome.good && best.outcome.good) return true;
   outcome.explained = outcome.explained || best.outcome.explained;
-  if (other) best.measurement = *other;
+  if (!first) best.measurement = *other;
   best.outcome = outcome;
   best.by = &row;
-  if (good) Adopt(trial.proposal, trial.state.room);
+  if (outcome.good) Adopt(trial.proposal, trial.state.room);
   return true;
 }
 
@@ -63,7 +62,7 @@ void TryNext(std::span<const Hypothesis> rows, Trial& trial) noexcept {
 }
 
 void Seek(Trial& trial) noexcept {
-  const Config& config = trial.context.config;
+  const Config& config = trial.fixed.config;
   const bool warm = trial.state.pose.warm;
   SearchState& search = trial.state.search;
   const Outcome& outcome = trial.best.outcome;
@@ -91,25 +90,29 @@ bool IsEarlyJump(const Config& config, const PoseState& pose, const FilterState&
 
 }  // namespace
 
-ScanContext Trial::Context() const noexcept {
-  ScanContext with = context;
+ScanContext Trial::Assumed() const noexcept {
+  ScanContext with = fixed;
   if (proposal.stray) with.stray = &*proposal.stray;
   return with;
 }
 
 ScanContext ContextOf(const Config& config, const Received& received, const Predicted& predicted,
                       const RoomState& room) noexcept {
-  return {
-      config,      received.scan,  received.before, received.now, predicted.steel ? &predicted.steel->field_T : nullptr,
-      &room.stray, predicted.mains};
+  return {config,
+          received.scan(),
+          room.currents_before,
+          room.currents,
+          predicted.steel ? &predicted.steel->field_T : nullptr,
+          &room.stray,
+          predicted.mains};
 }
 
 Explanation Explain(const Config& config, const Received& received, const Predicted& predicted, State& state) noexcept {
   const ScanContext context = ContextOf(config, received, predicted, state.room);
-  Explanation best{.measurement = MeasureScan(context, state.room.drift, state.room.doubt)};
+  Explanation best(context, state.room);
   if (predicted.wide) AddAmbientColumns(best.measurement);
   if (received.frozen || !HasMagnet(config, best.measurement)) return best;
-  Trial trial{.context = context, .predicted = predicted, .state = state, .best = best};
+  Trial trial(context, predicted, state, best);
   Seek(trial);
   Outcome& outcome = best.outcome;
   if (predicted.continues && IsEarlyJump(config, state.pose, predicted.filter, outcome)) outcome.good = false;

@@ -13,12 +13,16 @@ namespace omni::tracker {
 
 struct Hypothesis;
 
-// How a scan was explained, or the last attempt at it.
+// How a scan was explained, or the last attempt at it. Constructed, as Trial is: aggregates would be filled with zeros
+// first, 27 KB in every scan.
 struct Explanation {
+  explicit Explanation(const ScanContext& context, const RoomState& room) noexcept
+      : measurement(MeasureScan(context, room.drift, room.doubt)) {}
+
   const Hypothesis* by = nullptr;  // null: nothing was tried
   Outcome outcome;
   Measurement measurement;
-  KernelSums sums;  // if outcome.fit.has_sums
+  KernelSums sums;  // if outcome.fit.has_sums: of the scan as predicted, since drift is learnt from no other
 };
 
 // What is assumed while a scan is fitted, and adopted if the fit is accepted. Empty: as it was.
@@ -26,11 +30,20 @@ struct Proposal {
   std::optional<DriftState> drift;
   std::optional<Doubt> doubt;
   std::optional<StrayField> stray;
+
+  void Reset() noexcept {  // an assignment would copy all of it
+    drift.reset();
+    doubt.reset();
+    stray.reset();
+  }
 };
 
 // One scan on trial.
 struct Trial {
-  const ScanContext& context;
+  Trial(const ScanContext& scan, const Predicted& from, State& now, Explanation& so_far) noexcept
+      : fixed(scan), predicted(from), state(now), best(so_far) {}
+
+  const ScanContext& fixed;  // whatever is assumed
   const Predicted& predicted;
   State& state;
   Explanation& best;  // so far
@@ -39,14 +52,16 @@ struct Trial {
 
   const DriftState& drift() const noexcept { return proposal.drift ? *proposal.drift : state.room.drift; }
   const Doubt& doubt() const noexcept { return proposal.doubt ? *proposal.doubt : state.room.doubt; }
-  // With the proposed stray field.
-  ScanContext Context() const noexcept;
+  ScanContext Assumed() const noexcept;  // with the proposed stray field
 };
 
-// A row of a table. What its functions change in `trial.state` stays, whether the fit is accepted or not.
+// A row of a table. What its functions change in `trial.state` stays, whether the fit is accepted or not; so does
+// outcome.explained, which says that some pose fits, this one or another. A row costs a measurement and a fit, 2 to 4
+// us, and is tried in a tick: what takes longer is divided over scans. One that has a source of its own, beside drift
+// and stray field, subtracts it from the measurement, or Learn would take it for the stray field.
 struct Hypothesis {
-  const char* name;
-  int times;                                     // that it is tried in turn, each time otherwise
+  const char* name;                              // also that of ToolState::hypothesis
+  int times;                                     // cold rows: that it is tried in turn, each time otherwise; else 1
   bool (*applies)(const Trial& trial) noexcept;  // null: always
   bool (*propose)(Trial& trial) noexcept;        // false: not in this scan; null: nothing is assumed
   Outcome (*fit)(Trial& trial, Measurement& measurement) noexcept;

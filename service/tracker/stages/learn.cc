@@ -61,7 +61,7 @@ void LearnStray(const Observation& observation, bool young, RoomState& room) noe
   const Explanation& explanation = observation.explanation;
   const double repeats = RepeatsOf(config.drift, explanation.measurement, options.every_scans * base::kTickPeriod_s);
   const bool found = stray.dipole.followed() != nullptr;
-  LearnStray(options, config.model, room.drift, observation.received.scan, explanation.measurement,
+  LearnStray(options, config.model, room.drift, observation.received.scan(), explanation.measurement,
              explanation.outcome.fit.pose, repeats, stray);
   if (stray.dipole.followed() != nullptr && !found) {
     Clear(config.doubt.model_error_start, room.doubt);
@@ -113,7 +113,7 @@ void LearnAway(const Observation& observation, bool absent, RoomState& room) noe
   const Config& config = observation.config;
   const bool away = absent && !observation.received.frozen;
   if (!away || !config.away.enabled || !LearnsDrift(config)) return EndAwayWindow(room.away);
-  if (WatchAway(config.away, config.model, observation.received.scan, room.drift, room.away)) room.stray = {};
+  if (WatchAway(config.away, config.model, observation.received.scan(), room.drift, room.away)) room.stray = {};
 }
 
 }  // namespace

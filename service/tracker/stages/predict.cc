@@ -56,17 +56,17 @@ void PredictRoom(const Config& config, const base::HallScan& scan, State& state,
 
 }  // namespace
 
-void PredictTo(const Config& config, const Received& received, bool pushed, State& state,
-               Predicted& predicted) noexcept {
-  PredictRoom(config, received.scan, state, predicted);
+Predicted PredictTo(const Config& config, const Received& received, bool pushed, State& state) noexcept {
   const PoseState& pose = state.pose;
-  predicted.dt_s = base::Elapsed_s(received.scan.t_ns, pose.filter_t_ns);
+  Predicted predicted(pose.filter);
+  PredictRoom(config, received.scan(), state, predicted);
+  predicted.dt_s = base::Elapsed_s(received.scan().t_ns, pose.filter_t_ns);
   predicted.continues = pose.warm && predicted.dt_s >= 0 && predicted.dt_s <= config.coast_max_s;
-  predicted.filter = pose.filter;
   if (predicted.continues) PredictFilter(config.filter, predicted.dt_s, pushed, predicted.filter);
   if (pose.warm && HasSteel(config.model)) {
     predicted.steel = SteelResponseOf(config.model, PoseOf(predicted.filter), MomentScale(state.room.drift));
   }
+  return predicted;
 }
 
 }  // namespace omni::tracker

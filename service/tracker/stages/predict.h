@@ -9,6 +9,8 @@
 namespace omni::tracker {
 
 struct Predicted {
+  explicit Predicted(const FilterState& last) noexcept : filter(last) {}
+
   FilterState filter;  // of the pen, if it continues; else as it was last
   double dt_s = 0;     // since it was corrected
   bool continues = false;
@@ -18,7 +20,6 @@ struct Predicted {
 };
 
 // pushed: a force has acted on the pen since the previous scan.
-void PredictTo(const Config& config, const Received& received, bool pushed, State& state,
-               Predicted& predicted) noexcept;
+Predicted PredictTo(const Config& config, const Received& received, bool pushed, State& state) noexcept;
 
 }  // namespace omni::tracker

@@ -83,7 +83,7 @@ std::uint32_t LimitsOf(const Observation& observation, const Fit& fit, bool expl
   const Config& config = observation.config;
   const Measurement& measurement = observation.explanation.measurement;
   const Vector3d p = base::ToEigen(tool.position_base_m);
-  const bool saturated = (observation.received.scan.saturated_mask & ((1u << kReadings) - 1)) != 0;
+  const bool saturated = (observation.received.scan().saturated_mask & ((1u << kReadings) - 1)) != 0;
   std::uint32_t limits = 0;
   if (std::abs(p.dot(base::ToEigen(tool.axis_base))) < config.tilted_cos * p.norm()) limits |= base::kToolTilted;
   if (!(PositionVariance(fit) <= config.coarse_m * config.coarse_m)) limits |= base::kToolCoarse;
@@ -138,12 +138,11 @@ Fit WithDoubts(const Config& config, const RoomState& room, const Outcome& outco
 }
 
 // False when arithmetic went wrong, which only a hostile scan could cause.
-bool Correct(const Observation& observation, const Fit& fit, State& state) noexcept {
+bool Correct(const Observation& observation, const Fit& fit, FilterState& filter, State& state) noexcept {
   const Config& config = observation.config;
-  const base::HallScan& scan = observation.received.scan;
+  const base::HallScan& scan = observation.received.scan();
   const Predicted& predicted = observation.predicted;
   const PoseMeasurement measured = ToMeasurement(fit);
-  FilterState filter = predicted.filter;
   const bool restarts = !predicted.continues || observation.explanation.outcome.cold;
   if (restarts) {
     ResetFilter(config.filter, measured, filter);
@@ -170,12 +169,13 @@ bool WillBeAbsent(const Config& config, const PoseState& pose) noexcept {
   return pose.bad_scans + 1 >= config.lost_after_scans || !pose.ever_tracked;
 }
 
-void Publish(const Observation& observation, State& state) noexcept {
+void Publish(const Observation& observation, FilterState& filter, State& state) noexcept {
   const Config& config = observation.config;
   const Explanation& explanation = observation.explanation;
   const Fit fit = WithDoubts(config, state.room, explanation.outcome);
   base::ToolState& tool = state.pose.published;
-  if (!observation.good() || !Correct(observation, fit, state)) Hold(config, observation.received.scan, state.pose);
+  if (!observation.good() || !Correct(observation, fit, filter, state))
+    Hold(config, observation.received.scan(), state.pose);
   Describe(observation, fit, state.search.explained, tool);
   FollowMagnet(config.magnets, tool, observation.received.since_last_s, state.room.doubt.left_out >= 0,
                state.room.drift, state.room.magnet);

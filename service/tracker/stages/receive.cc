@@ -23,20 +23,23 @@ void BlameFrozen(const Config& config, const base::HallScan& scan, RoomState& ro
 
 }  // namespace
 
-bool Receive(const Config& config, const base::HallScan& as_read, State& state, Received& received) noexcept {
-  RoomState& room = state.room;
+bool IsRepeated(const Config& config, const base::HallScan& as_read, RoomState& room) noexcept {
   const bool old = room.currents.valid && as_read.t_ns == room.currents.t_ns;
   room.old_scans = old ? std::min(room.old_scans + 1, config.lost_after_scans) : 0;
-  if (old) return false;
+  return old;
+}
+
+Received Receive(const Config& config, const base::HallScan& as_read, State& state) noexcept {
+  RoomState& room = state.room;
   if (room.scans++ == 0) Start(config, as_read, room);
   BlameFrozen(config, as_read, room);
+  Received received{.as_read = as_read, .zeroed = {}};
   received.frozen = IsAllFrozen(as_read, config.doubt.frozen_scans, room.repetition);
-  received.scan = as_read;
-  if (room.away.learnt) SubtractZeros(room.away, received.scan);
   received.since_last_s = base::Elapsed_s(as_read.t_ns, room.currents.t_ns);
-  received.before = room.currents;
-  room.currents = received.now = Remember(as_read, room.currents);
-  return true;
+  if (room.away.learnt) SubtractZeros(room.away, received.zeroed.emplace(as_read));
+  room.currents_before = room.currents;
+  room.currents = Remember(as_read, room.currents_before);
+  return received;
 }
 
 }  // namespace omni::tracker

@@ -67,9 +67,9 @@ Outcome FitWarm(const Config& config, const FilterState& predicted, KernelSums* 
   const base::Vec3& v = predicted.velocity_base_m_s;
   measurement.velocity_base_m_s = {v.x, v.y, v.z};
   measurement.axis_rate_base_1_s = {u_rate.x(), u_rate.y(), u_rate.z()};
-  Outcome outcome;
-  outcome.fit = SolvePose(config.model, measurement, {base::ToEigen(predicted.position_base_m), u},
-                          {.precision = PrecisionOf(config), .iterations_max = config.iterations_max, .sums = sums});
+  Outcome outcome{
+      .fit = SolvePose(config.model, measurement, {base::ToEigen(predicted.position_base_m), u},
+                       {.precision = PrecisionOf(config), .iterations_max = config.iterations_max, .sums = sums})};
   outcome.explained = FitsReadings(config, measurement, outcome.fit);
   outcome.good = outcome.explained && IsInReach(config, outcome.fit.pose);
   return outcome;
