@@ -143,13 +143,13 @@ void ScorePlace(const DipoleOptions& options, const Model& model, const StrayEvi
 
 // After all places: on from the best, if it is worth while.
 void BeginSteps(const DipoleOptions& options, StrayDipole& dipole) noexcept {
-  const auto tried = std::get<DipolePlaces>(dipole.stage);
+  const DipolePlaces tried = *std::get_if<DipolePlaces>(&dipole.stage);
   if (!(tried.best_saved > 0.5 * options.saves)) {
-    dipole.stage = DipolePlaces{};
+    dipole.stage = DipoleStage(DipolePlaces{});
     dipole.nowhere = {};
     return;
   }
-  dipole.stage = DipoleSteps{.place = tried.best, .damping = kDampingStart};
+  dipole.stage = DipoleStage(DipoleSteps{.place = tried.best, .damping = kDampingStart});
   dipole.parameters = tried.best_parameters;
   dipole.covariance = {};
 }
@@ -202,7 +202,7 @@ bool Explains(const DipoleOptions& options, const StrayEvidence& said, const Wro
 }
 
 void Begin(const DipoleOptions& options, double misfit, StrayDipole& dipole) noexcept {
-  dipole.stage = FollowedDipole{.wander = options.wander_start, .misfit = misfit};
+  dipole.stage = DipoleStage(FollowedDipole{.wander = options.wander_start, .misfit = misfit});
   dipole.lately = {};
 }
 
@@ -234,15 +234,16 @@ void SearchDipole(const DipoleOptions& options, const Model& model, StrayDipole&
     if (steps->taken < options.search_steps) return;
     const auto place = static_cast<std::size_t>(steps->place);
     dipole.nowhere[place / 64] |= std::uint64_t{1} << (place % 64);
-    dipole.stage = DipolePlaces{};
+    dipole.stage = DipoleStage(DipolePlaces{});
   }
 }
 
 void StartSearch(const DipoleOptions& options, const StrayEvidence& said, int steps, StrayDipole& dipole) noexcept {
   dipole.lately = said;
   dipole.nowhere = {};
-  dipole.stage = DipolePlaces{};
-  if (steps > 0) dipole.stage = DipoleSteps{.taken = options.search_steps - steps, .damping = kDampingStart};
+  dipole.stage = DipoleStage(DipolePlaces{});
+  if (steps > 0)
+    dipole.stage = DipoleStage(DipoleSteps{.taken = options.search_steps - steps, .damping = kDampingStart});
 }
 
 bool IsSearching(const StrayDipole& dipole) noexcept {
@@ -294,7 +295,7 @@ void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEv
 // Kalman's correction in information form: p' = p + P' f e, P' = (P^-1 + f A)^-1, A = J^T D Q D J, e = -J^T D Q r.
 void FollowDipole(const DipoleOptions& options, const Model& model, const StrayScan& scan, double repeats,
                   double systematic, double step_s, StrayDipole& dipole) noexcept {
-  auto& followed = std::get<FollowedDipole>(dipole.stage);
+  FollowedDipole& followed = *std::get_if<FollowedDipole>(&dipole.stage);
   const Field field = FieldAt(model, ToVector(dipole.parameters));
   const ReadingLanes rest = scan.Eliminate(scan.residual);
   const Eigen::Map<const RowVector> inverse_sigma(scan.inverse_sigma.data());

@@ -50,8 +50,10 @@ struct FollowedDipole {
   double innovation = 1, misfit = 1;  // means: over what is expected; per degree of freedom
 };
 
+using DipoleStage = std::variant<DipolePlaces, DipoleSteps, FollowedDipole>;
+
 struct StrayDipole {
-  std::variant<DipolePlaces, DipoleSteps, FollowedDipole> stage;
+  DipoleStage stage;
   DipoleNumbers parameters{};  // of the steps, or of what they found
   std::array<double, kDipoleParameters * kDipoleParameters> covariance{};
   StrayEvidence lately;                    // until it is found

@@ -22,7 +22,7 @@ struct Explanation {
   const Hypothesis* by = nullptr;  // null: nothing was tried
   Outcome outcome;
   Measurement measurement;
-  KernelSums sums;  // if outcome.fit.has_sums: of the scan as predicted, since drift is learnt from no other
+  KernelSums sums{};  // if outcome.fit.has_sums: of the scan as predicted, since drift is learnt from no other
 };
 
 // What is assumed while a scan is fitted, and adopted if the fit is accepted. Empty: as it was.
