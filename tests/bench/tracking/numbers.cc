@@ -16,14 +16,12 @@
 
 #include "service/base/in_parallel.h"
 #include "service/sim/hand/ordinary_hand.h"
-#include "service/sim/twin/loopback.h"
 #include "service/tools/common/statistics.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"
 #include "tests/bench/harness/room_conditions.h"
 #include "tests/bench/harness/tracker_numbers.h"
 #include "tests/bench/tracking/pressed_box.h"
-#include "tests/support/rig/magnet_of_scan.h"
 #include "tests/support/rig/trace.h"
 
 namespace omni::bench {
@@ -107,26 +105,13 @@ void AddWave(const base::DeviceGeometry& device, const base::TruthParameters& tr
   }
 }
 
-std::vector<RecordedScan> Press(const base::DeviceGeometry& device, const loop::TickConfig& config,
-                                const base::TruthParameters& truth, std::uint64_t seed, const haptics::Scene& scene,
-                                const sim::HandScript& hand) {
-  sim::PlantOptions plant{.seed = seed, .script = hand};
-  plant.truth = truth;
-  sim::Loopback base(device, plant);
-  const auto state = std::make_unique<loop::LoopState>();
-  const auto output = std::make_unique<loop::TickOutput>();
-  loop::EnterScene(scene, 1, *state);
-  support::MagnetOfScan magnet(base.core().Truth());
-  std::vector<RecordedScan> scans(static_cast<std::size_t>(kRun_s / base::kTickPeriod_s));
-  for (RecordedScan& row : scans) {
-    base.Tick(row.scan);
-    row.centre_base_m = magnet.At(row.scan.t_ns, base.core().Truth());
-    row.pushed = state->limiter.last_N != base::Vec3{};
-    const loop::Commands commands{
-        .t_ns = row.scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1};
-    loop::Tick(config, row.scan, commands, scene, *state, *output);
-    base.Write(output->currents);
-  }
+std::vector<RecordedScan> Pressed(const base::DeviceGeometry& device, const loop::TickConfig& config,
+                                  const base::TruthParameters& truth, std::uint64_t seed, const haptics::Scene& scene,
+                                  const sim::HandScript& hand) {
+  std::vector<RecordedScan> scans;
+  Press(device, config, truth, seed, hand, kRun_s, scene, [&](const PressedTick& tick) {
+    scans.push_back({.scan = tick.scan, .pushed = tick.pushed, .centre_base_m = tick.magnet_base_m});
+  });
   return scans;
 }
 
@@ -177,8 +162,8 @@ std::vector<Plan> Plans(const base::DeviceGeometry& device, const haptics::Scene
     plans.push_back({condition.name, condition, wave});
     plans.push_back({condition.name + ", pressed", condition,
                      [&](const loop::TickConfig& config, const base::TruthParameters& truth, std::uint64_t seed) {
-                       return Press(device, config, truth, seed, scene,
-                                    sim::MakeOrdinaryHand(device, {.seed = seed + 2, .duration_s = kRun_s}));
+                       return Pressed(device, config, truth, seed, scene,
+                                      sim::MakeOrdinaryHand(device, {.seed = seed + 2, .duration_s = kRun_s}));
                      }});
   }
   plans.push_back({kComesAndGoes, {"room"}, [&device](const auto&, const auto& truth, std::uint64_t seed) {
@@ -192,7 +177,7 @@ std::vector<Plan> Plans(const base::DeviceGeometry& device, const haptics::Scene
                      return scans;
                    }});
   plans.push_back({kRests, {"room"}, [&device](const auto& config, const auto& truth, std::uint64_t seed) {
-                     return Press(device, config, truth, seed, {}, RestingHand());
+                     return Pressed(device, config, truth, seed, {}, RestingHand());
                    }});
   plans.push_back({kInterrupted, {"room"}, [wave](const auto& config, const auto& truth, std::uint64_t seed) {
                      std::vector<RecordedScan> scans = wave(config, truth, seed);

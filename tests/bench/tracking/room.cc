@@ -23,7 +23,6 @@
 #include "service/loop/tick_config.h"
 #include "service/sim/fields/vec3.h"
 #include "service/sim/hand/ordinary_hand.h"
-#include "service/sim/twin/loopback.h"
 #include "service/tools/common/statistics.h"
 #include "service/tools/scene/scene_source.h"
 #include "service/tracker/tracker.h"
@@ -31,7 +30,6 @@
 #include "tests/bench/harness/errors.h"
 #include "tests/bench/harness/room_conditions.h"
 #include "tests/bench/tracking/pressed_box.h"
-#include "tests/support/rig/magnet_of_scan.h"
 #include "tests/support/rig/trace.h"
 
 namespace omni::bench {
@@ -146,27 +144,14 @@ class Judge {
   std::vector<bool> tracked_;
 };
 
-// The whole loop: the tick renders the scene, and the hand yields to the coils' true force.
-void Press(const base::DeviceGeometry& device, const loop::TickConfig& config, const TruthParameters& truth,
-           std::uint64_t seed, const sim::HandScript& hand, double run_s, const haptics::Scene& scene, Judge& judge) {
-  sim::PlantOptions plant{.seed = seed, .script = hand};
-  plant.truth = truth;
-  sim::Loopback base(device, plant);
-  const auto state = std::make_unique<loop::LoopState>();
-  const auto output = std::make_unique<loop::TickOutput>();
-  loop::EnterScene(scene, 1, *state);
-  base::HallScan scan;
-  support::MagnetOfScan magnet(base.core().Truth());
-  for (auto ticks = static_cast<std::size_t>(run_s / base::kTickPeriod_s); ticks > 0; --ticks) {
-    base.Tick(scan);
-    const sim::TruthRow now = base.core().Truth();
-    judge.AddForce(output->wrench.force_N, now.force_N, output->saturated);
-    const loop::Commands commands{
-        .t_ns = scan.t_ns, .gate = loop::ForceGate::kOpen, .idle = false, .scene_generation = 1};
-    loop::Tick(config, scan, commands, scene, *state, *output);
-    base.Write(output->currents);
-    judge.Add(output->tool, magnet.At(scan.t_ns, now), base::Norm(output->wrench.force_N));
-  }
+// The force on the pen, judged as it acts; the pose, as it is published.
+void PressJudged(const base::DeviceGeometry& device, const loop::TickConfig& config, const TruthParameters& truth,
+                 std::uint64_t seed, const sim::HandScript& hand, double run_s, const haptics::Scene& scene,
+                 Judge& judge) {
+  Press(device, config, truth, seed, hand, run_s, scene, [&](const PressedTick& tick) {
+    judge.AddForce(tick.before.wrench.force_N, tick.truth.force_N, tick.before.saturated);
+    judge.Add(tick.output.tool, tick.magnet_base_m, base::Norm(tick.output.wrench.force_N));
+  });
 }
 
 void TrackWave(const base::DeviceGeometry& device, const tracker::Config& config, const TruthParameters& truth,
@@ -227,7 +212,7 @@ class BaseInRooms {
     // Who starts an uncalibrated base holds the pen above it.
     const sim::OrdinaryHandOptions hand{
         .seed = motion_seed + 2, .duration_s = run_s, .above_s = conditions.front()->as_drawn ? kAbove_s : 0};
-    Press(device_, **config->second, truth, seed_, sim::MakeOrdinaryHand(device_, hand), run_s, scene_, pressed);
+    PressJudged(device_, **config->second, truth, seed_, sim::MakeOrdinaryHand(device_, hand), run_s, scene_, pressed);
     return {waved.Finish(conditions.front()->events_s), pressed.Finish(conditions.front()->events_s)};
   }
 
@@ -244,7 +229,7 @@ class BaseInRooms {
       return refused;
     }
     const haptics::Scene scene = haptics::FreshCopy(played.scene);
-    Press(device_, **config->second, RoomOf(kRoom), seed_, played.hand, run_s, scene, judge);
+    PressJudged(device_, **config->second, RoomOf(kRoom), seed_, played.hand, run_s, scene, judge);
     return judge.Finish({});
   }
 
