@@ -448,7 +448,7 @@ std::string Service::StatusJson() {
   if (!calibration_.problem.empty()) input.problems.push_back("calibration: " + calibration_.problem);
   if (!misfit_.empty()) input.problems.push_back("calibration: " + misfit_);
   if (!starved_.empty()) input.problems.push_back("host: " + starved_);
-  for (const room::RoomFinding& finding : room_) input.problems.push_back("room: " + room::RoomText(finding));
+  for (const room::RoomFinding& finding : room_) input.problems.push_back("room: " + RoomText(finding));
   input.loop = loop_;
   input.transport = transport_;
   input.device_absent_why = device_absent_why_;

@@ -132,12 +132,10 @@ void FieldWatch::JudgeResting(std::uint32_t useless) {
     const RowMajor3d gain = Eigen::Map<const RowMajor3d>(sensor.gain_sensor_base.data());
     const Vector3d changed_T = gain.inverse() * (reading_T.col(column) - expected_T);
     const Vector3d from_core_m = base::ToEigen(sensor.position_base_m) - base::ToEigen(calibration_.core_centre_base_m);
-    for (std::size_t axis = 0; axis < 3; ++axis, ++shapes.readings) {
-      const std::size_t row = base::kSensorCount * axis + i;
-      field_T[row] = changed_T[static_cast<Eigen::Index>(axis)];
-      for (std::size_t shape = 0; shape < shapes.rows.size(); ++shape) {
-        shapes.rows[shape][row] = tracker::FarFieldAt(shape, from_core_m.x(), from_core_m.y(), from_core_m.z())[axis];
-      }
+    shapes.SetFar(i, base::FromEigen(from_core_m));
+    shapes.readings += 3;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      field_T[base::kSensorCount * axis + i] = changed_T[static_cast<Eigen::Index>(axis)];
     }
   }
   tracker::FieldSplit<0> split;

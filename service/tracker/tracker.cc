@@ -7,7 +7,7 @@ namespace omni::tracker {
 void Update(const Config& config, const base::HallScan& scan, State& state, base::ToolState& tool,
             bool pushed) noexcept {
   if (!IsRepeated(config, scan, state.room)) {
-    const Received received = Receive(config, scan, state);
+    const Received received = Receive(config, scan, state.room);
     Predicted predicted = PredictTo(config, received, pushed, state);
     Explanation explanation = Explain(config, received, predicted, state);
     const Observation observation{config, received, predicted, explanation};

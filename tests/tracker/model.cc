@@ -218,5 +218,21 @@ TEST(TrackerModel, SystematicErrorAgainstChargedFacesIsBelowFortyMicrometres) {
   EXPECT_LT(worst_m, 4e-5);
 }
 
+// A near pen's field is a reading wherever the sensors reach: 5 mT of a base whose sensors end at 1.6 mT are not.
+TEST(TrackerModel, ReadingsAreUsedUpToTheRangeOfTheCalibration) {
+  base::Calibration calibration = magnetics::NominalCalibration(support::NominalDevice());
+  for (const double range_T : {0.4e-3, 1.6e-3, 20e-3}) {
+    calibration.sensor_range_T = range_T;
+    const Config config = MakeConfig(calibration);
+    support::Rng rng{1};
+    base::HallScan scan = support::MakeScan(config.model, {{0, 0, 0.1}, -Vector3d::UnitZ()}, 1'000'000'000, rng);
+    for (const double share : {0.9, 3.9, 4.1}) {
+      scan.field_sensor_T[0].x = share * range_T;
+      const int axes = MakeMeasurement(config.model, config.trust, scan, {}, Remember(scan, {})).axes;
+      EXPECT_EQ(axes, share > 4 ? kReadings - 1 : kReadings) << range_T << " " << share;
+    }
+  }
+}
+
 }  // namespace test_tracker_model
 }  // namespace omni::tracker

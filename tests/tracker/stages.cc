@@ -184,7 +184,7 @@ std::set<std::string> RunStages(const Config& config, const Tamper& tamper, Ledg
       end(0);
       PublishRepeated(config, scan, *state);
     } else {
-      const Received received = Receive(config, scan, *state);
+      const Received received = Receive(config, scan, state->room);
       end(0);
       Predicted predicted = PredictTo(config, received, false, *state);
       end(1);

@@ -62,14 +62,13 @@ base::Result<Zeroed> Rezero(const base::Calibration& before,
     const Vector3d from_core_m = base::ToEigen(sensor.position_base_m) - base::ToEigen(before.core_centre_base_m);
     const Vector3d changed_T = gain.inverse() * (mean - base::ToEigen(sensor.background_sensor_T));
     const Matrix3d uniform = UniformAt(before, from_core_m);
+    shapes.SetFar(i, base::FromEigen(from_core_m));
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t row = base::kSensorCount * axis + i;
-      change_T[row] = changed_T[static_cast<Eigen::Index>(axis)];
-      for (std::size_t shape = 0; shape < shapes.rows.size(); ++shape) {
-        shapes.rows[shape][row] =
-            shape < tracker::kUniformShapes
-                ? uniform(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(shape))
-                : tracker::FarFieldAt(shape, from_core_m.x(), from_core_m.y(), from_core_m.z())[axis];
+      const auto at = static_cast<Eigen::Index>(axis);
+      change_T[row] = changed_T[at];
+      for (std::size_t k = 0; k < tracker::kUniformShapes; ++k) {
+        shapes.rows[k][row] = uniform(at, static_cast<Eigen::Index>(k));
       }
     }
     sensor.background_sensor_T = base::FromEigen(mean);

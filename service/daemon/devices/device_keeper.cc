@@ -59,8 +59,7 @@ void LogNew(const std::vector<room::RoomFinding>& findings, const std::vector<ro
     const auto same = [&](const room::RoomFinding& o) {
       return o.kind == finding.kind && o.sensors == finding.sensors;
     };
-    if (std::none_of(others.begin(), others.end(), same))
-      spdlog::log(level, "room: {}{}", before, room::RoomText(finding));
+    if (std::none_of(others.begin(), others.end(), same)) spdlog::log(level, "room: {}{}", before, RoomText(finding));
   }
 }
 

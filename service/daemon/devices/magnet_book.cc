@@ -35,7 +35,7 @@ MagnetBook::MagnetBook(std::string path, FileWriter::Write write) : path_(std::m
 
 void MagnetBook::Drop(const std::string& what, const std::string& fix) {
   problem_ = room::RoomFinding{.kind = "magnets-file", .sensors = {}, .what = what, .fix = fix};
-  spdlog::warn("magnets: {}", room::RoomText(*problem_));
+  spdlog::warn("magnets: {}", RoomText(*problem_));
 }
 
 void MagnetBook::Open(const std::string& serial, double calibrated_moment_Am2, tracker::MagnetOptions& options) {

@@ -27,7 +27,7 @@ Shapes ShapesOf(const Model& model) noexcept {
         const std::array<double, 3> B = FarFieldAt(far, at[0][i], at[1][i], at[2][i]);
         double sum = 0;
         for (std::size_t c = 0; c < 3; ++c) sum += model.gain_sensor_base[3 * axis + c][i] * B[c];
-        shapes.rows[far < kUniformShapes ? far : far + base::kCoilCount][row] = sum;
+        shapes.rows[Shapes::OfFar(far)][row] = sum;
       }
     }
   }

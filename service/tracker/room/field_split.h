@@ -24,6 +24,15 @@ struct FieldShapes {
   static constexpr std::size_t kFitted = kUniformShapes + kKnown, kCount = kFitted + kGradientShapes;
   std::array<ReadingLanes, kCount> rows;  // uniform, known, gradients
   int readings = kReadings;               // that are used
+
+  // Of a sensor there whose reading is in frame B: the uniform ones and the gradients.
+  void SetFar(std::size_t sensor, const base::Vec3& at_m) noexcept {
+    for (std::size_t far = 0; far < kUniformShapes + kGradientShapes; ++far) {
+      const std::array<double, 3> B = FarFieldAt(far, at_m.x, at_m.y, at_m.z);
+      for (std::size_t axis = 0; axis < 3; ++axis) rows[OfFar(far)][kSensors * axis + sensor] = B[axis];
+    }
+  }
+  static constexpr std::size_t OfFar(std::size_t far) noexcept { return far < kUniformShapes ? far : far + kKnown; }
 };
 
 template <std::size_t kKnown>

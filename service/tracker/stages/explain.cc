@@ -41,10 +41,8 @@ bool Try(const Hypothesis& row, Trial& trial) noexcept {
   return true;
 }
 
-bool TryAll(std::span<const Hypothesis> rows, Trial& trial) noexcept {
-  bool tried = false;
-  for (const Hypothesis& row : rows) tried = Try(row, trial) || tried;
-  return tried;
+void TryAll(std::span<const Hypothesis> rows, Trial& trial) noexcept {
+  for (const Hypothesis& row : rows) Try(row, trial);
 }
 
 // The next time of the next row that applies; the first again after the last, or after one that explains the scan.

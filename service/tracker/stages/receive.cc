@@ -29,8 +29,7 @@ bool IsRepeated(const Config& config, const base::HallScan& as_read, RoomState& 
   return old;
 }
 
-Received Receive(const Config& config, const base::HallScan& as_read, State& state) noexcept {
-  RoomState& room = state.room;
+Received Receive(const Config& config, const base::HallScan& as_read, RoomState& room) noexcept {
   if (room.scans++ == 0) Start(config, as_read, room);
   BlameFrozen(config, as_read, room);
   Received received{.as_read = as_read, .zeroed = {}};

@@ -17,9 +17,9 @@ struct Received {
   const base::HallScan& scan() const noexcept { return zeroed ? *zeroed : as_read; }
 };
 
-// The scan has the stamp of the one before; only state.room.old_scans has changed.
+// The scan has the stamp of the one before; only room.old_scans has changed.
 bool IsRepeated(const Config& config, const base::HallScan& as_read, RoomState& room) noexcept;
 
-Received Receive(const Config& config, const base::HallScan& as_read, State& state) noexcept;
+Received Receive(const Config& config, const base::HallScan& as_read, RoomState& room) noexcept;
 
 }  // namespace omni::tracker
