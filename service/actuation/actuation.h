@@ -59,9 +59,10 @@ double ForceMax_N(const Config& config, const base::ToolState& tool, const base:
 // Currents for `force_N` under `limit`: a request that cannot be met is scaled, keeping its direction
 // (docs/decisions/0007-infeasible-forces.md), one that can is made as it is; then slew and rise limits, and those of
 // the force actually produced. Always finite and within limits; zero at once when any input is in doubt. Slew and rise
-// limits apply to growth: falling is free.
-void Allocate(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N, double dt_s, State& state,
-              base::CoilCurrents& currents) noexcept;
+// limits apply to growth: falling is free. Returns the force that is made: Rendered_N of the request, and less while a
+// limit holds the currents back.
+base::Vec3 Allocate(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N, double dt_s,
+                    State& state, base::CoilCurrents& currents) noexcept;
 
 // The force on the tool that `coil_current_A` produces at its pose, core's pull included. Zero outside the map.
 base::Vec3 ForceFromCurrents(const ForceMap& map, const base::ToolState& tool,

@@ -104,8 +104,8 @@ void ApplyForceLimit(const base::ForceLimit& limit, double last_force_N, Current
 
 }  // namespace
 
-void Allocate(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N, double dt_s, State& state,
-              base::CoilCurrents& currents) noexcept {
+base::Vec3 Allocate(const Config& config, const base::ForceLimit& limit, const base::Vec3& force_N, double dt_s,
+                    State& state, base::CoilCurrents& currents) noexcept {
   const double step_s = dt_s >= 0 && dt_s <= kStepMax_s ? dt_s : base::kTickPeriod_s;
   const Currents last = AreFinite(state.last_current_A) ? state.last_current_A : Currents{};
   const Currents ceiling = Ceiling(config, limit);
@@ -119,6 +119,8 @@ void Allocate(const Config& config, const base::ForceLimit& limit, const base::V
   state.last_current_A = next;
   state.last_force_N = limit.valid ? Norm(CoilForce(limit, next)) : 0;
   currents.current_A = next;
+  const base::Vec3 rendered_N = base::Rendered_N(limit, base::FeasibleScale(limit, force_N) * force_N);
+  return next == target ? rendered_N : rendered_N + CoilForce(limit, next) - CoilForce(limit, target);
 }
 
 }  // namespace omni::actuation

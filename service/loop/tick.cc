@@ -250,8 +250,9 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
 
   state.pulses = detent_N != base::Vec3{} || vibration_N != base::Vec3{};
   const base::Vec3 force_N = Mix(pushed_N, vibration_N, limit, commands.force_scale, state, output);
-  actuation::Allocate(config.actuation, limit, force_N, dt_s, state.actuation, output.currents);
-  output.wrench = {.force_N = base::Rendered_N(limit, force_N),
+  const base::Vec3 made_N =
+      actuation::Allocate(config.actuation, limit, force_N, dt_s, state.actuation, output.currents);
+  output.wrench = {.force_N = made_N,
                    .torque_Nm = base::TorqueOf_Nm(limit, output.currents.current_A),
                    .point_base_m = output.tool.position_base_m};
 

@@ -194,14 +194,14 @@ TEST(ActuationForces, ProducedForceStaysWithinLimitsWhenThePoseJumps) {
   State state;
   base::CoilCurrents currents;
   Vector3d last = Vector3d::Zero();
-  int driven = 0;
+  int driven = 0, compared = 0;
   for (int i = 0; i < 100'000; ++i) {
     const base::ToolState tool = RandomTool(rng, 0.041, 0.1, 1.5);
     base::ForceLimit limit = ComputeForceLimit(config, tool, {25, 25, 25});
     limit.force_rise_N = rng() % 10 == 0 ? 0 : Uniform(rng, 0, 0.85);
     if (rng() % 50 == 0) limit = {};
     const base::Vec3 wanted_N = base::FromEigen(Uniform(rng, 0, 4) * RandomUnit(rng));
-    Allocate(config, limit, wanted_N, 1e-3, state, currents);
+    const Vector3d made = base::ToEigen(Allocate(config, limit, wanted_N, 1e-3, state, currents));
     const Vector3d pull = base::ToEigen(ForceFromCurrents(config.map, tool, {}));
     const Vector3d net = base::ToEigen(ForceFromCurrents(config.map, tool, currents.current_A));
     const Vector3d coils = limit.valid ? Vector3d(net - pull) : Vector3d::Zero();
@@ -211,10 +211,16 @@ TEST(ActuationForces, ProducedForceStaysWithinLimitsWhenThePoseJumps) {
       ASSERT_LE(coils.norm(), last.norm() + limit.force_rise_N + 1e-9) << i;
       ASSERT_LE(net.norm(), std::max(limit.force_max_N, pull.norm()) + 1e-9) << i;
     }
+    if (limit.valid && !limit.near_singular &&
+        base::FeasibleScale(limit, wanted_N) * Norm(wanted_N) > limit.bias_fade_N) {
+      ASSERT_LT((made - net).norm(), 1e-6 * (1 + pull.norm())) << i;  // the pull is compensated whole
+      ++compared;
+    }
     driven += coils.norm() > 0.1 ? 1 : 0;
     last = coils;
   }
   EXPECT_GT(driven, 30'000);
+  EXPECT_GT(compared, 20'000);
 }
 
 TEST(ActuationForces, PowerLimitKeepsTheRatioOfTheCurrents) {
