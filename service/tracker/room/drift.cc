@@ -5,29 +5,27 @@
 
 #include "service/base/stamp.h"
 #include "service/tracker/kernel/cholesky.h"
+#include "service/tracker/kernel/matrices.h"
 
 namespace omni::tracker {
 namespace {
 
-constexpr std::size_t kStates = kDriftStates;
-constexpr std::size_t kMoment = kNuisancesMax;
-constexpr std::size_t kAmbient = base::kCoilCount;         // the first of three
+constexpr int kStates = kDriftStates, kCurrents = base::kCoilCount;
+constexpr int kMoment = kNuisancesMax;
+constexpr int kAmbient = base::kCoilCount;                 // the first of three
 constexpr double kMemory = 0.1;                            // share of the newest innovation in the mean of those before
 constexpr double kMoves = 0.1, kModelLasts = 0.6;          // of that mean, squared: the wander grows ...
 constexpr double kWanderGrows = 2, kWanderShrinks = 0.98;  // ... by so much
 constexpr double kCurrentStepMax_A = 1e3, kForgetMax_s = 1e6;
 constexpr double kJump = 10;  // of one innovation: once in a million, were it no jump
 
-using StateRow = DriftEvidence::Row;
-
-void AddTo(StateRow& row, double factor, const StateRow& other) noexcept {
-  for (std::size_t a = 0; a < row.size(); ++a) row[a] += factor * other[a];
-}
+using StateMatrix = Matrix<kStates>;
+using StateVector = Matrix<kStates, 1>;
 
 double Square(double x) noexcept { return x * x; }
 
 // follows: the core's string has been followed
-double VarianceOf(const DriftNoise& noise, bool follows, std::size_t state) noexcept {
+double VarianceOf(const DriftNoise& noise, bool follows, int state) noexcept {
   if (state < 3 && follows) return Square(std::max(noise.core_error * noise.core_kept_A, noise.core_error_min_A));
   if (state < 3) return Square(noise.remanence_A);
   return state < kMoment ? Square(noise.ambient_T) : Square(noise.moment);
@@ -38,28 +36,29 @@ double VarianceOf(const DriftNoise& noise, bool follows, std::size_t state) noex
 // with A = [C^T C, C^T M; M^T C, M^T M], B = [C^T J; M^T J], c = [C^T r; M^T r], H = J^T J.
 bool EliminatePose(const Measurement& measurement, const KernelSums& sums, DriftEvidence& evidence) noexcept {
   std::array<double, std::size_t{kParameters} * kParameters> H;
-  std::array<StateRow, kParameters> B{};
+  std::array<std::array<double, kStates>, kParameters> sides;
   const double per_scale = 1 / measurement.moment_scale;  // M is of the field as scaled, the state is the scale
   for (std::size_t k = 0, e = 0; k < kParameters; ++k) {
     for (std::size_t j = 0; j <= k; ++j, ++e) H[kParameters * k + j] = sums.JtJ[e];
-    for (std::size_t a = 0; a < kMoment; ++a) B[k][a] = sums.CtJ[a][k];
-    B[k][kMoment] = per_scale * sums.MtJ[k];
+    for (std::size_t a = 0; a < kMoment; ++a) sides[k][a] = sums.CtJ[a][k];
+    sides[k][kMoment] = per_scale * sums.MtJ[k];
   }
   SmallCholesky<kParameters> factors;
   if (!factors.Factor(H.data(), kParameters, 0)) return false;
-  std::array<StateRow, kParameters> H_B = B;
-  factors.SolveSides(H_B);
-  for (std::size_t a = 0; a < kStates; ++a) {
-    StateRow& row = evidence.information[a];
-    for (std::size_t b = 0; b < kMoment; ++b) {
-      row[b] = a < kMoment ? measurement.nuisance_information[a * kNuisancesMax + b] : per_scale * sums.CtM[b];
-    }
-    row[kMoment] = per_scale * (a < kMoment ? sums.CtM[a] : per_scale * sums.MtM);
-    for (std::size_t k = 0; k < kParameters; ++k) AddTo(row, -B[k][a], H_B[k]);
-    evidence.gradient[a] = -(a < kMoment ? sums.Ctr[a] : per_scale * sums.Mtr);
-  }
-  for (std::size_t k = 0; k < kParameters; ++k) evidence.pose_per_moment[k] = -H_B[k][kMoment];
-  for (std::size_t k = 0; k < kParameters; ++k) AddTo(evidence.gradient, sums.Jtr[k], H_B[k]);
+  const Matrix<kParameters, kStates> B = Eigen::Map<const Matrix<kParameters, kStates>>(sides[0].data());
+  factors.SolveSides(sides);
+  const Eigen::Map<const Matrix<kParameters, kStates>> H_B(sides[0].data());
+  StateMatrix A;
+  StateVector c;
+  const Eigen::Map<const Matrix<kMoment, 1>> CtM(sums.CtM);
+  A.topLeftCorner<kMoment, kMoment>() = AsMatrix<kMoment>(measurement.nuisance_information);
+  A.topRightCorner<kMoment, 1>() = per_scale * CtM;
+  A.bottomLeftCorner<1, kMoment>() = per_scale * CtM.transpose();
+  A(kMoment, kMoment) = per_scale * per_scale * sums.MtM;
+  c << Eigen::Map<const Matrix<kMoment, 1>>(sums.Ctr), per_scale * sums.Mtr;
+  AsMatrix<kStates>(evidence.information) = A - B.transpose() * H_B;
+  AsVector(evidence.gradient) = H_B.transpose() * Eigen::Map<const Matrix<kParameters, 1>>(sums.Jtr) - c;
+  AsVector(evidence.pose_per_moment) = -H_B.col(kMoment);
   return true;
 }
 
@@ -67,84 +66,74 @@ bool EliminatePose(const Measurement& measurement, const KernelSums& sums, Drift
 // not evidence of the states.   docs/theory/tracking.md (17)
 //   I' = I - I_c (I_cc + V^-1)^-1 I_c^T,   g' = g - I_c (I_cc + V^-1)^-1 g_c
 bool AllowForCurrents(DriftEvidence& evidence) noexcept {
-  const auto& variance_A2 = evidence.current_variance_A2;
-  constexpr std::size_t kCurrents = base::kCoilCount;
-  std::array<double, kCurrents * kCurrents> S{};
-  for (std::size_t a = 0; a < kCurrents; ++a) {
-    if (!(variance_A2[a] > 0)) return true;  // currents are exact
-    for (std::size_t b = 0; b < kCurrents; ++b) S[a * kCurrents + b] = evidence.information[a][b];
-    S[a * kCurrents + a] += 1 / variance_A2[a];
-  }
+  const auto V = AsVector(evidence.current_variance_A2);
+  if (!(V.array() > 0).all()) return true;  // currents are exact
+  auto I = AsMatrix<kStates>(evidence.information);
+  auto g = AsVector(evidence.gradient);
+  Matrix<kCurrents> S = I.topLeftCorner<kCurrents, kCurrents>();
+  S.diagonal() += V.cwiseInverse();
   if (!InvertPositive<kCurrents>(S.data(), kCurrents)) return false;
-  std::array<StateRow, kCurrents> share{};  // (I_cc + V^-1)^-1 I_c^T
-  for (std::size_t a = 0; a < kCurrents; ++a) {
-    for (std::size_t b = 0; b < kCurrents; ++b) AddTo(share[a], S[a * kCurrents + b], evidence.information[b]);
-  }
-  const DriftEvidence before = evidence;
-  for (std::size_t c = 0; c < kCurrents; ++c) {
-    for (std::size_t r = 0; r < kStates; ++r) AddTo(evidence.information[r], -before.information[r][c], share[c]);
-    AddTo(evidence.gradient, -before.gradient[c], share[c]);
-  }
+  const Matrix<kStates, kCurrents> share = I.leftCols<kCurrents>() * S;
+  const Matrix<kCurrents, kStates> I_c = I.topRows<kCurrents>();
+  const Matrix<kCurrents, 1> g_c = g.head<kCurrents>();
+  I -= share * I_c;
+  g -= share * g_c;
   return true;
 }
 
-//   I_m = I_aa - I_ao (I_oo + D^-1)^-1 I_oa,   g_m = g_a - I_ao (I_oo + D^-1)^-1 g_o
+// What evidence says of the states `kept` alone, the others eliminated, each known to its own variance:
+//   I' = I_kk - I_ko (I_oo + D^-1)^-1 I_ok,   g' = g_k - I_ko (I_oo + D^-1)^-1 g_o
+template <int kKept>
+bool Reduce(const DriftEvidence& evidence, const DriftState& drift, const std::array<int, kKept>& kept,
+            Matrix<kKept>& information, Matrix<kKept, 1>& gradient) noexcept {
+  constexpr int kOthers = kStates - kKept;
+  std::array<int, kOthers> others{};
+  for (int state = 0, n = 0; state < kStates; ++state) {
+    if (std::find(kept.begin(), kept.end(), state) == kept.end()) others[static_cast<std::size_t>(n++)] = state;
+  }
+  const auto I = AsMatrix<kStates>(evidence.information);
+  const auto g = AsVector(evidence.gradient);
+  Matrix<kOthers> S = I(others, others);
+  S.diagonal() += AsMatrix<kStates>(drift.covariance).diagonal()(others).cwiseInverse();
+  if (!InvertPositive<kOthers>(S.data(), kOthers)) return false;
+  const Matrix<kOthers, kKept> I_ok = I(others, kept);
+  const Matrix<kKept, kOthers> share = I_ok.transpose() * S;
+  information = I(kept, kept);
+  information -= share * I_ok;
+  gradient = g(kept);
+  gradient -= share * g(others).eval();
+  return true;
+}
+
 AmbientEvidence OfAmbient(const DriftEvidence& evidence, const DriftState& drift) noexcept {
   AmbientEvidence ambient;
-  constexpr std::size_t kOthers = kStates - 3;
-  constexpr std::array<std::size_t, kOthers> others{0, 1, 2, kMoment};
-  std::array<double, kOthers * kOthers> S;
-  for (std::size_t a = 0; a < kOthers; ++a) {
-    for (std::size_t b = 0; b < kOthers; ++b) S[kOthers * a + b] = evidence.information[others[a]][others[b]];
-    S[(kOthers + 1) * a] += 1 / drift.covariance[others[a] * (kStates + 1)];
-  }
-  if (!InvertPositive<kOthers>(S.data(), kOthers)) return ambient;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const StateRow& row = evidence.information[kAmbient + a];
-    std::array<double, kOthers> weight{};  // I_ao (I_oo + D^-1)^-1
-    for (std::size_t c = 0; c < kOthers; ++c) {
-      for (std::size_t d = 0; d < kOthers; ++d) weight[c] += row[others[d]] * S[kOthers * d + c];
-    }
-    ambient.gradient[a] = evidence.gradient[kAmbient + a];
-    for (std::size_t c = 0; c < kOthers; ++c) ambient.gradient[a] -= weight[c] * evidence.gradient[others[c]];
-    for (std::size_t b = 0; b < 3; ++b) {
-      double sum = row[kAmbient + b];
-      for (std::size_t c = 0; c < kOthers; ++c) sum -= weight[c] * evidence.information[others[c]][kAmbient + b];
-      ambient.information[3 * a + b] = sum;
-    }
-  }
-  ambient.valid = true;
+  Matrix<3> information;
+  Matrix<3, 1> gradient;
+  ambient.valid = Reduce<3>(evidence, drift, {kAmbient, kAmbient + 1, kAmbient + 2}, information, gradient);
+  if (!ambient.valid) return ambient;
+  AsMatrix<3>(ambient.information) = information;
+  AsVector(ambient.gradient) = gradient;
   return ambient;
 }
 
 // Removes row and column `state` but for its variance.
-void Isolate(std::size_t state, double variance, DriftMatrix& covariance) noexcept {
-  for (std::size_t b = 0; b < kStates; ++b) covariance[state * kStates + b] = covariance[b * kStates + state] = 0;
-  covariance[state * (kStates + 1)] = variance;
+void Isolate(int state, double variance, DriftMatrix& covariance) noexcept {
+  auto P = AsMatrix<kStates>(covariance);
+  P.row(state).setZero();
+  P.col(state).setZero();
+  P(state, state) = variance;
 }
 
 // Squared innovation over the expected one, mean of three components: with nu = I^-1 g the field's innovation,
 //   nu^T (I^-1 + P)^-1 nu / 3 = g^T (I + I P I)^-1 g / 3
 double Innovation(const AmbientEvidence& evidence, const DriftState& drift) noexcept {
-  const auto& I = evidence.information;
-  std::array<double, 9> S;
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t b = 0; b < 3; ++b) {
-      double sum = I[3 * a + b];
-      for (std::size_t c = 0; c < 3; ++c) {
-        for (std::size_t d = 0; d < 3; ++d) {
-          sum += I[3 * a + c] * drift.covariance[(kAmbient + c) * kStates + kAmbient + d] * I[3 * d + b];
-        }
-      }
-      S[3 * a + b] = sum;
-    }
-  }
+  const auto I = AsMatrix<3>(evidence.information);
+  const auto g = AsVector(evidence.gradient);
+  const Matrix<3> P = AsMatrix<kStates>(drift.covariance).block<3, 3>(kAmbient, kAmbient);
+  Matrix<3> S = I + I * P * I;
   if (!InvertPositive<3>(S.data(), 3)) return 0;
-  double sum = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t b = 0; b < 3; ++b) sum += evidence.gradient[a] * S[3 * a + b] * evidence.gradient[b];
-  }
-  return std::isfinite(sum) ? sum / 3 : 0;
+  const double square = g.dot(S * g);
+  return std::isfinite(square) ? square / 3 : 0;
 }
 
 // A jump opens the field. Correlated innovations mean that it moves: their mean would be small otherwise. The model's
@@ -153,11 +142,11 @@ void LearnWander(const DriftNoise& noise, const AmbientEvidence& now, double sys
                  DriftState& drift) noexcept {
   if (!now.valid) return;
   if (Innovation(now, drift) > kJump) return OpenAmbient(noise, drift);
-  AmbientEvidence recent{true, drift.recent_information, drift.recent_gradient};
-  for (std::size_t a = 0; a < 9; ++a) recent.information[a] += kMemory * (now.information[a] - recent.information[a]);
-  for (std::size_t a = 0; a < 3; ++a) recent.gradient[a] += kMemory * (now.gradient[a] - recent.gradient[a]);
-  drift.recent_information = recent.information;
-  drift.recent_gradient = recent.gradient;
+  auto information = AsMatrix<3>(drift.recent_information);
+  auto gradient = AsVector(drift.recent_gradient);
+  information += kMemory * (AsMatrix<3>(now.information) - information);
+  gradient += kMemory * (AsVector(now.gradient) - gradient);
+  const AmbientEvidence recent{true, drift.recent_information, drift.recent_gradient};
   const double lasting = Innovation(recent, drift) / (kMoves + kModelLasts * systematic_share);
   double& wander = drift.ambient_wander_T2_s;
   if (lasting > 1) {
@@ -168,8 +157,8 @@ void LearnWander(const DriftNoise& noise, const AmbientEvidence& now, double sys
   }
 }
 
-double AmbientVariance(const DriftState& drift, std::size_t axis) noexcept {
-  return drift.covariance[(kAmbient + axis) * (kStates + 1)];
+double AmbientVariance(const DriftState& drift, int axis) noexcept {
+  return AsMatrix<kStates>(drift.covariance)(kAmbient + axis, kAmbient + axis);
 }
 
 double WorstAmbientVariance(const DriftState& drift) noexcept {
@@ -181,7 +170,7 @@ bool IsAmbientOpen(const DriftNoise& noise, const DriftState& drift) noexcept {
 }
 
 void SetAmbientVariance(double variance_T2, DriftMatrix& covariance) noexcept {
-  for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) Isolate(a, variance_T2, covariance);
+  for (int a = kAmbient; a < kAmbient + 3; ++a) Isolate(a, variance_T2, covariance);
 }
 
 void SetAmbientVariance(double variance_T2, DriftState& drift) noexcept {
@@ -258,7 +247,7 @@ Offsets OffsetsOf(const DriftNoise& noise, const DriftState& drift) noexcept {
   offsets.ambient_base_T = AmbientField_T(drift);
   for (std::size_t k = 0; k < 3; ++k) offsets.remanence_variance_A2[k] = drift.covariance[k * kStates + k];
   if (IsAmbientOpen(noise, drift)) {
-    for (std::size_t c = 0; c < 3; ++c) offsets.ambient_variance_T2[c] = AmbientVariance(drift, c);
+    for (std::size_t c = 0; c < 3; ++c) offsets.ambient_variance_T2[c] = AmbientVariance(drift, static_cast<int>(c));
   }
   return offsets;
 }
@@ -275,15 +264,13 @@ void SetMoment(double relative, double variance, DriftState& drift) noexcept {
 
 //   x <- x + K (z - x_m),   P <- P - K P_m,   K = P_m / (P_mm + R)
 void ObserveMoment(double relative, double variance, DriftState& drift) noexcept {
-  const double innovation = relative - drift.mean[kMoment];
-  StateRow column{};
-  for (std::size_t a = 0; a < kStates; ++a) column[a] = drift.covariance[a * kStates + kMoment];
+  auto P = AsMatrix<kStates>(drift.covariance);
+  auto x = AsVector(drift.mean);
+  const StateVector column = P.col(kMoment);
   const double expected = column[kMoment] + variance;
   if (!(expected > 0)) return;
-  for (std::size_t a = 0; a < kStates; ++a) {
-    drift.mean[a] += column[a] / expected * innovation;
-    for (std::size_t b = 0; b < kStates; ++b) drift.covariance[a * kStates + b] -= column[a] * column[b] / expected;
-  }
+  x += column * ((relative - x[kMoment]) / expected);
+  P -= column * column.transpose() / expected;
   drift.still = {};
 }
 
@@ -292,29 +279,15 @@ void HoldMoment(double relative, DriftState& drift) noexcept {
   drift.moment_open = false;
 }
 
-//   I_m = I_mm - I_mo (I_oo + D^-1)^-1 I_om,   g_m = g - I_mo (I_oo + D^-1)^-1 g_o
 MomentEvidence OfMoment(DriftEvidence evidence, const DriftState& drift) noexcept {
-  MomentEvidence moment;
-  if (!evidence.valid || !AllowForCurrents(evidence)) return moment;
-  constexpr std::size_t kOthers = kMoment;
-  std::array<double, kOthers * kOthers> S;
-  for (std::size_t a = 0; a < kOthers; ++a) {
-    for (std::size_t b = 0; b < kOthers; ++b) S[kOthers * a + b] = evidence.information[a][b];
-    S[(kOthers + 1) * a] += 1 / drift.covariance[a * (kStates + 1)];
-  }
-  if (!InvertPositive<kOthers>(S.data(), kOthers)) return moment;
-  const StateRow& row = evidence.information[kMoment];
-  moment.information = row[kMoment];
-  moment.gradient = evidence.gradient[kMoment];
-  for (std::size_t a = 0; a < kOthers; ++a) {
-    for (std::size_t b = 0; b < kOthers; ++b) {
-      moment.information -= row[a] * S[kOthers * a + b] * row[b];
-      moment.gradient -= row[a] * S[kOthers * a + b] * evidence.gradient[b];
-    }
-  }
-  moment.valid = moment.information > 0 && std::isfinite(moment.information + moment.gradient);
-  return moment;
+  Matrix<1> information;
+  Matrix<1> gradient;
+  if (!evidence.valid || !AllowForCurrents(evidence)) return {};
+  if (!Reduce<1>(evidence, drift, {kMoment}, information, gradient)) return {};
+  const bool usable = information[0] > 0 && std::isfinite(information[0] + gradient[0]);
+  return {usable, information[0], gradient[0]};
 }
+
 std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept {
   return {drift.mean[kAmbient], drift.mean[kAmbient + 1], drift.mean[kAmbient + 2]};
 }
@@ -328,24 +301,28 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
   const auto keep_of = [&](double times) { return drift.valid ? std::exp(-times) : 0.0; };
   const double remanence = keep_of(ForgottenOf(noise.still, dt_s, pen, noise.core_kept_A, drift.still));
   const double ambient = keep_of(dt_s / noise.ambient_s), moment = keep_of(dt_s / noise.moment_s);
-  const DriftVector keep{remanence, remanence, remanence, ambient, ambient, ambient, moment};
+  StateVector keep;
+  keep << remanence, remanence, remanence, ambient, ambient, ambient, moment;
   const bool follows = drift.valid && drift.core_followed;
-  for (std::size_t k = 0; k < kAmbient && !follows; ++k) drift.mean[k] *= keep[k];
-  drift.mean[kMoment] = drift.moment_of_pen + keep[kMoment] * (drift.mean[kMoment] - drift.moment_of_pen);
-  DriftVector grows{};
-  for (std::size_t a = 0; a < kStates; ++a) grows[a] = (1 - Square(keep[a])) * VarianceOf(noise, follows, a);
-  for (std::size_t a = kAmbient; a < kAmbient + 3; ++a) grows[a] += dt_s * drift.ambient_wander_T2_s;
-  for (std::size_t k = 0; k < current_step_A.size() && drift.valid; ++k) {
+  auto x = AsVector(drift.mean);
+  auto P = AsMatrix<kStates>(drift.covariance);
+  if (!follows) x.head<kCurrents>().array() *= keep.head<kCurrents>().array();
+  x[kMoment] = drift.moment_of_pen + keep[kMoment] * (x[kMoment] - drift.moment_of_pen);
+  StateVector grows;
+  for (int a = 0; a < kStates; ++a) grows[a] = (1 - Square(keep[a])) * VarianceOf(noise, follows, a);
+  grows.segment<3>(kAmbient).array() += dt_s * drift.ambient_wander_T2_s;
+  for (int k = 0; k < kCurrents && drift.valid; ++k) {
     const double most = VarianceOf(noise, follows, k);
-    const double room = std::max(0.0, 1 - (Square(keep[k]) * drift.covariance[k * (kStates + 1)] + grows[k]) / most);
-    grows[k] += std::min(most, Square(noise.current_step_error * current_step_A[k])) * room;
+    const double room = std::max(0.0, 1 - (Square(keep[k]) * P(k, k) + grows[k]) / most);
+    const double step_A = current_step_A[static_cast<std::size_t>(k)];
+    grows[k] += std::min(most, Square(noise.current_step_error * step_A)) * room;
   }
-  for (std::size_t a = 0; a < kStates; ++a) {
-    for (std::size_t b = 0; b < kStates; ++b) drift.covariance[a * kStates + b] *= keep[a] * keep[b];
-    drift.covariance[a * (kStates + 1)] += grows[a];
-    const double slower = a < kAmbient ? 1 : a == kMoment ? noise.moment_still : noise.ambient_still;
-    drift.still.covariance[a * (kStates + 1)] += slower * grows[a];
-  }
+  P = keep.asDiagonal() * P * keep.asDiagonal();
+  P.diagonal() += grows;
+  StateVector slower = StateVector::Ones();
+  slower.segment<3>(kAmbient).setConstant(noise.ambient_still);
+  slower[kMoment] = noise.moment_still;
+  AsMatrix<kStates>(drift.still.covariance).diagonal() += slower.cwiseProduct(grows);
   drift.step_s = dt_s;
   drift.valid = true;
 }
@@ -385,28 +362,19 @@ AmbientEvidence CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, Dr
   const AmbientEvidence ambient = OfAmbient(evidence, drift);
   LearnWander(noise, ambient, evidence.systematic_share, drift);
   DriftMatrix& covariance = drift.still.referenced ? drift.still.covariance : drift.covariance;
-  DriftMatrix P = covariance;
-  if (!InvertPositive<kDriftStates>(P.data(), kDriftStates)) return {};
-  for (std::size_t a = 0; a < kStates; ++a) {
-    for (std::size_t b = 0; b < kStates; ++b) P[a * kStates + b] += evidence.share * evidence.information[a][b];
-  }
-  if (!InvertPositive<kDriftStates>(P.data(), kDriftStates)) return {};
-  DriftVector mean = drift.mean;
-  double sum = 0;
-  for (std::size_t a = 0; a < kStates; ++a) {
-    for (std::size_t b = 0; b < kStates; ++b) {
-      mean[a] += P[a * kStates + b] * evidence.share * evidence.gradient[b];
-    }
-    sum += mean[a];
-  }
-  if (!std::isfinite(sum)) return {};
-  drift.mean = mean;
+  StateMatrix P = AsMatrix<kStates>(covariance);
+  if (!InvertPositive<kStates>(P.data(), kStates)) return {};
+  P += evidence.share * AsMatrix<kStates>(evidence.information);
+  if (!InvertPositive<kStates>(P.data(), kStates)) return {};
+  StateVector x = AsVector(drift.mean) + P * (evidence.share * AsVector(evidence.gradient));
+  if (!x.allFinite()) return {};
   const double pen = drift.moment_open ? 0 : drift.moment_of_pen;
   const double most = drift.moment_open ? noise.moment_open_max : noise.moment_max;
-  drift.mean[kMoment] = std::clamp(drift.mean[kMoment], pen - most, pen + most);
-  covariance = P;
-  for (std::size_t e = 0; e < P.size() && drift.still.referenced; ++e) {
-    drift.covariance[e] = drift.still.reference_covariance[e] + P[e];
+  x[kMoment] = std::clamp(x[kMoment], pen - most, pen + most);
+  AsVector(drift.mean) = x;
+  AsMatrix<kStates>(covariance) = P;
+  if (drift.still.referenced) {
+    AsMatrix<kStates>(drift.covariance) = AsMatrix<kStates>(drift.still.reference_covariance) + P;
   }
   return ambient;
 }

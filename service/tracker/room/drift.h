@@ -61,10 +61,9 @@ static_assert(std::is_trivially_copyable_v<DriftState>);
 //   information I = A - B H^-1 B^T,   gradient g = -(c - B H^-1 J^T r)
 // with A = [C^T C, C^T M; M^T C, M^T M], B = [C^T J; M^T J], c = [C^T r; M^T r], H = J^T J.
 struct DriftEvidence {
-  using Row = std::array<double, kDriftStates + 1>;  // by state; the eighth entry fills the vector and stays zero
   bool valid = false;
-  std::array<Row, kDriftStates> information{};
-  Row gradient{};
+  DriftMatrix information{};
+  DriftVector gradient{};
   double share = 0;  // share of both that is used
   double systematic_share = 0;
   double age_s = 0;                                   // of the samples, the mean

@@ -6,12 +6,12 @@
 #include "service/base/eigen.h"
 #include "service/base/vec.h"
 #include "service/tracker/kernel/cholesky.h"
+#include "service/tracker/kernel/matrices.h"
 #include "service/tracker/room/drift.h"
 
 namespace omni::tracker {
 namespace {
 
-constexpr std::size_t kStates = kDriftStates;
 constexpr double kKnown = 1e-6;  // of a state's variance, when nothing has changed: none, but it needs an inverse
 
 // The mean of the places so far: with one place alone, its noise would pass for the pen's next movement.
@@ -35,17 +35,13 @@ bool SolveReference(StillPen& still) noexcept {
 void BeginChanges(const DriftMatrix& covariance, StillPen& still) noexcept {
   still.covariance = {};
   still.reference_covariance = covariance;
-  for (std::size_t a = 0; a < kStates; ++a) {
-    still.covariance[a * (kStates + 1)] = kKnown * covariance[a * (kStates + 1)];
-  }
+  AsMatrix<kDriftStates>(still.covariance).diagonal() = kKnown * AsMatrix<kDriftStates>(covariance).diagonal();
   still.referenced = true;
 }
 
 void Gather(const DriftEvidence& evidence, StillPen& still) noexcept {
-  for (std::size_t a = 0; a < kStates; ++a) {
-    for (std::size_t b = 0; b < kStates; ++b) still.information[a * kStates + b] += evidence.information[a][b];
-    still.gradient[a] += evidence.gradient[a];
-  }
+  AsVector(still.information) += AsVector(evidence.information);
+  AsVector(still.gradient) += AsVector(evidence.gradient);
 }
 
 }  // namespace
@@ -87,9 +83,7 @@ void TellChange(const StillOptions& options, const DriftMatrix& covariance, Stil
     }
   }
   if (!still.referenced) return;
-  for (std::size_t a = 0; a < kStates; ++a) {
-    for (std::size_t b = 0; b < kStates; ++b) evidence.gradient[a] -= evidence.information[a][b] * still.reference[b];
-  }
+  AsVector(evidence.gradient) -= AsMatrix<kDriftStates>(evidence.information) * AsVector(still.reference);
   evidence.share = 1;
 }
 
