@@ -6,6 +6,7 @@
 
 #include "service/base/stamp.h"
 #include "service/tracker/kernel/cholesky.h"
+#include "service/tracker/kernel/matrices.h"
 
 namespace omni::tracker {
 namespace {
@@ -29,13 +30,11 @@ void AddTone(const Tone& tone, double age_s, AmbientChange& change) noexcept {
   const double rate_rad_s = kTurn_rad * tone.frequency_Hz;
   const double cosine = std::cos(tone.phase_rad - rate_rad_s * age_s);
   const double sine = std::sin(tone.phase_rad - rate_rad_s * age_s);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double a_T = tone.mean_T[c], b_T = tone.mean_T[3 + c];
-    const double field_T = a_T * cosine + b_T * sine;
-    change.field_T[c] += field_T;
-    change.rate_T_s[c] += rate_rad_s * (b_T * cosine - a_T * sine);
-    change.acceleration_T_s2[c] -= rate_rad_s * rate_rad_s * field_T;
-  }
+  const auto mean_T = AsVector(tone.mean_T);
+  const Matrix<3, 1> field_T = cosine * mean_T.head<3>() + sine * mean_T.tail<3>();
+  AsVector(change.field_T) += field_T;
+  AsVector(change.rate_T_s) += rate_rad_s * (cosine * mean_T.tail<3>() - sine * mean_T.head<3>());
+  AsVector(change.acceleration_T_s2) -= rate_rad_s * rate_rad_s * field_T;
 }
 
 // Difference of two scans' evidence of the ambient field, as information and gradient, with what their offsets
@@ -47,15 +46,10 @@ struct Difference {
 Difference DifferenceOf(const AmbientEvidence& now, const std::array<double, 3>& ambient_T,
                         const AmbientEvidence& before, const std::array<double, 3>& before_T) noexcept {
   Difference difference;
-  for (std::size_t a = 0; a < 3; ++a) {
-    double gradient = now.gradient[a] - before.gradient[a];
-    for (std::size_t b = 0; b < 3; ++b) {
-      const double information = before.information[3 * a + b];
-      gradient += information * (ambient_T[b] - before_T[b]);
-      difference.information[3 * a + b] = (now.information[3 * a + b] + information) / 4;
-    }
-    difference.gradient[a] = gradient / 2;
-  }
+  const auto before_information = AsMatrix<3>(before.information);
+  AsMatrix<3>(difference.information) = 0.25 * (AsMatrix<3>(now.information) + before_information);
+  AsVector(difference.gradient) = 0.5 * (AsVector(now.gradient) - AsVector(before.gradient) +
+                                         before_information * (AsVector(ambient_T) - AsVector(before_T)));
   return difference;
 }
 
@@ -78,21 +72,14 @@ void Learn(const MainsOptions& options, const Difference& difference, double age
            Tone& tone) noexcept {
   const double rate_rad_s = kTurn_rad * tone.frequency_Hz;
   const double phase_rad = tone.phase_rad - rate_rad_s * age_s, before_rad = phase_rad - rate_rad_s * apart_s;
-  const std::array<double, 2> H{std::cos(phase_rad) - std::cos(before_rad), std::sin(phase_rad) - std::sin(before_rad)};
+  const Matrix<2, 1> H{std::cos(phase_rad) - std::cos(before_rad), std::sin(phase_rad) - std::sin(before_rad)};
   const std::array<double, 3> held_T = HeldOf(tone, age_s);
-  for (std::size_t a = 0; a < 3; ++a) {
-    double gradient_1_T = difference.gradient[a];
-    for (std::size_t b = 0; b < 3; ++b) {
-      gradient_1_T += difference.information[3 * a + b] * (held_T[b] - tone.held_T[b]);
-    }
-    for (std::size_t h = 0; h < 2; ++h) {
-      tone.gradient_1_T[3 * h + a] += H[h] * gradient_1_T;
-      for (std::size_t g = 0; g < 2; ++g) {
-        for (std::size_t b = 0; b < 3; ++b) {
-          tone.information_1_T2[kToneStates * (3 * h + a) + 3 * g + b] +=
-              H[h] * H[g] * difference.information[3 * a + b];
-        }
-      }
+  const auto J = AsMatrix<3>(difference.information);
+  const Matrix<3, 1> gradient_1_T = AsVector(difference.gradient) + J * (AsVector(held_T) - AsVector(tone.held_T));
+  for (int h = 0; h < 2; ++h) {
+    AsVector(tone.gradient_1_T).segment<3>(3 * h) += H[h] * gradient_1_T;
+    for (int g = 0; g < 2; ++g) {
+      AsMatrix<kToneStates>(tone.information_1_T2).block<3, 3>(3 * h, 3 * g) += H[h] * H[g] * J;
     }
   }
   tone.held_T = held_T;
@@ -100,8 +87,7 @@ void Learn(const MainsOptions& options, const Difference& difference, double age
   SmallCholesky<kToneStates> factors;
   if (!factors.Factor(tone.information_1_T2.data(), kToneStates, 0)) return;  // a scan or two do not determine all six
   tone.mean_T = factors.Solve(tone.gradient_1_T);
-  tone.chi2 = 0;
-  for (std::size_t s = 0; s < kToneStates; ++s) tone.chi2 += tone.mean_T[s] * tone.gradient_1_T[s];
+  tone.chi2 = AsVector(tone.mean_T).dot(AsVector(tone.gradient_1_T));
   tone.believed =
       tone.heard_s >= options.heard_min_s && tone.chi2 > (tone.believed ? options.gone_chi2 : options.believed_chi2);
 }
@@ -120,12 +106,9 @@ void Find(Mains& mains) noexcept {
 
 // By how much a cos + b sin has turned since the last tuning, mains are faster than assumed.
 void Tune(const MainsOptions& options, Mains& mains) noexcept {
-  double along = 0, across = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double a_T = mains.tones[0].mean_T[c], b_T = mains.tones[0].mean_T[3 + c];
-    along += mains.heard_T[c] * a_T + mains.heard_T[3 + c] * b_T;
-    across += mains.heard_T[3 + c] * a_T - mains.heard_T[c] * b_T;
-  }
+  const auto mean_T = AsVector(mains.tones[0].mean_T), heard_T = AsVector(mains.heard_T);
+  const double along = heard_T.dot(mean_T);
+  const double across = heard_T.tail<3>().dot(mean_T.head<3>()) - heard_T.head<3>().dot(mean_T.tail<3>());
   const double pull_Hz = options.pull * std::atan2(across, along) / (kTurn_rad * mains.listened_s);
   const double tuned_Hz = std::clamp(mains.tones[0].frequency_Hz + pull_Hz, mains.candidate_Hz - options.pull_max_Hz,
                                      mains.candidate_Hz + options.pull_max_Hz);
@@ -155,8 +138,8 @@ void AdvanceMains(const MainsOptions& options, std::int64_t t_ns, Mains& mains) 
     const double keep = std::exp(-step_s / MemoryOf_s(options, tone));
     tone.phase_rad = std::fmod(tone.phase_rad + kTurn_rad * tone.frequency_Hz * step_s, kTurn_rad);
     tone.chi2 *= keep;
-    for (double& sum : tone.information_1_T2) sum *= keep;
-    for (double& sum : tone.gradient_1_T) sum *= keep;
+    AsVector(tone.information_1_T2) *= keep;
+    AsVector(tone.gradient_1_T) *= keep;
   }
   mains.listened_s += step_s;
   if (mains.found && mains.tones[0].chi2 < options.gone_chi2) Restart(options, mains);
@@ -164,10 +147,8 @@ void AdvanceMains(const MainsOptions& options, std::int64_t t_ns, Mains& mains) 
 
 void LearnMains(const MainsOptions& options, const AmbientEvidence& evidence, const std::array<double, 3>& ambient_T,
                 double age_s, Mains& mains) noexcept {
-  double sum = 0;
-  for (const double entry : evidence.information) sum += entry;
-  for (const double entry : evidence.gradient) sum += entry;
-  if (!mains.started || !std::isfinite(sum)) return;
+  const bool finite = AsVector(evidence.information).allFinite() && AsVector(evidence.gradient).allFinite();
+  if (!mains.started || !finite) return;
   const double apart_s = base::Elapsed_s(mains.t_ns, mains.before_t_ns);
   if (mains.before.valid && apart_s >= 0 && apart_s < options.apart_min_s) return;
   const bool close = mains.before.valid && apart_s >= 0 && apart_s <= options.apart_max_s;

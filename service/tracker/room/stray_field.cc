@@ -5,88 +5,51 @@
 
 #include "service/base/eigen.h"
 #include "service/tracker/kernel/cholesky.h"
+#include "service/tracker/kernel/matrices.h"
 
 namespace omni::tracker {
 namespace {
 
-constexpr std::size_t kRows = kReadings;
-
-using Rows = ReadingLanes;
+using ReadingVector = Matrix<kReadings, 1>;
 
 void SetGain(const StrayScan& scan, StrayField& stray) noexcept {
-  for (std::size_t k = 0; k < kParameters; ++k) {
-    for (std::size_t a = 0; a < kRows; ++a) stray.gain[k][a] = scan.gain[k][a] * scan.inverse_sigma[a];
-  }
+  AsRows(stray.gain) = AsRows(scan.gain).topRows<kParameters>() * AsVector(scan.inverse_sigma).asDiagonal();
 }
 
 void SetVariance(StrayField& stray) noexcept {
-  for (std::size_t a = 0; a < kRows; ++a) stray.variance_T2[a] = stray.covariance_T2[a * (kRows + 1)];
+  AsVector(stray.variance_T2) = AsMatrix<kReadings>(stray.covariance_T2).diagonal();
 }
 
 void Widen(const Model& model, double share, StrayField& stray) noexcept {
-  for (std::size_t e = 0; e < stray.covariance_T2.size(); ++e) {
-    stray.covariance_T2[e] += share * model.stray.covariance_T2[e];
-  }
+  AsVector(stray.covariance_T2) += share * AsVector(model.stray.covariance_T2);
   SetVariance(stray);
   stray.widened += share;
 }
 
 // Of the prior's mean variance.
 double ShareOfPrior(const Model& model, double sum_T2) noexcept {
-  double prior_T2 = 0;
-  for (std::size_t a = 0; a < kRows; ++a) prior_T2 += model.stray.covariance_T2[a * (kRows + 1)];
-  return sum_T2 / prior_T2;
-}
-double Sum(const Rows& values) noexcept {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum;
+  return sum_T2 / AsMatrix<kReadings>(model.stray.covariance_T2).trace();
 }
 
-// gain x x^T gain^T: the error of a pose if x, which is not accepted yet, is there.
-void SetPoseCovarianceOfMean(const StrayOptions& options, StrayField& stray) noexcept {
-  stray.position_covariance_m2 = {};
-  stray.axis_variance = 0;
-  if (stray.chi2 < options.nothing_chi2) return;
-  std::array<double, kParameters> shift{};
-  for (std::size_t k = 0; k < kParameters; ++k) shift[k] = Dot(stray.gain[k], stray.mean_T);
-  for (std::size_t k = 0; k < 3; ++k) {
-    for (std::size_t j = 0; j < 3; ++j) stray.position_covariance_m2[3 * k + j] = shift[k] * shift[j];
-  }
-  stray.axis_variance = 0.5 * (shift[3] * shift[3] + shift[4] * shift[4]);
-}
-
-// gain P gain^T
+// gain P gain^T; while x is not accepted: the error of a pose if it is there, gain x x^T gain^T.
 void SetPoseCovariance(const StrayOptions& options, StrayField& stray) noexcept {
-  if (!stray.believed) return SetPoseCovarianceOfMean(options, stray);
-  std::array<Rows, kParameters> covered{};
-  for (std::size_t k = 0; k < kParameters; ++k) {
-    for (std::size_t a = 0; a < kRows; ++a) {
-      const double factor = stray.gain[k][a];
-      for (std::size_t b = 0; b < kRows; ++b) covered[k][b] += factor * stray.covariance_T2[a * kRows + b];
-    }
+  const auto gain = AsRows(stray.gain);
+  Matrix<kParameters> covariance = Matrix<kParameters>::Zero();
+  if (stray.believed) {
+    const double factor = stray.places < options.places_min ? options.few_places_factor : 1;
+    covariance = factor * (gain * AsMatrix<kReadings>(stray.covariance_T2)) * gain.transpose();
+  } else if (!(stray.chi2 < options.nothing_chi2)) {
+    const Matrix<kParameters, 1> shift = gain * AsVector(stray.mean_T);
+    covariance = shift * shift.transpose();
   }
-  const double factor = stray.places < options.places_min ? options.few_places_factor : 1;
-  const auto covariance = [&](std::size_t k, std::size_t j) {
-    double sum = 0;
-    for (std::size_t a = 0; a < kRows; ++a) sum += covered[k][a] * stray.gain[j][a];
-    return factor * sum;
-  };
-  for (std::size_t k = 0; k < 3; ++k) {
-    for (std::size_t j = 0; j < 3; ++j) stray.position_covariance_m2[3 * k + j] = covariance(k, j);
-  }
+  AsMatrix<3>(stray.position_covariance_m2) = covariance.topLeftCorner<3, 3>();
   stray.axis_variance = 0.5 * (covariance(3, 3) + covariance(4, 4));
 }
 
 // m^T P^-1 m
 double Chi2OfMean(const StrayField& stray) noexcept {
-  double chi2 = 0;
-  for (std::size_t a = 0; a < kRows; ++a) {
-    for (std::size_t b = 0; b < kRows; ++b) {
-      chi2 += stray.mean_T[a] * stray.inverse_1_T2[a * kRows + b] * stray.mean_T[b];
-    }
-  }
-  return chi2;
+  const auto mean_T = AsVector(stray.mean_T);
+  return mean_T.dot(AsMatrix<kReadings>(stray.inverse_1_T2) * mean_T);
 }
 
 void Forget(StrayField& stray) noexcept {
@@ -95,42 +58,26 @@ void Forget(StrayField& stray) noexcept {
   stray.scan = 0;
 }
 
-// g - I x
-Rows GradientAt(const StrayEvidence& said, const Rows& offset_T) noexcept {
-  Rows gradient = said.gradient_1_T;
-  for (std::size_t a = 0; a < kRows; ++a) {
-    for (std::size_t b = 0; b < kRows; ++b) gradient[a] -= said.information_1_T2[a * kRows + b] * offset_T[b];
-  }
-  return gradient;
-}
-
 // x' = x + P' g,  P' = (P^-1 + I)^-1: Kalman's correction in information form, in which E(g^T P' g) = tr(P I) when P is
 // right. A larger innovation means that x moves. A far larger one: P was too small, and x stays as it is until P has
 // grown.
 void Correct(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
-  ReadingMatrix P;
   const double share = stray.share / stray.cycle.scans;
-  const Rows gradient_1_T = GradientAt(stray.cycle, stray.mean_T);
-  double expected = 0, surprise = 0;
-  for (std::size_t e = 0; e < P.size(); ++e) {
-    const double information = share * stray.cycle.information_1_T2[e];
-    expected += stray.covariance_T2[e] * information;
-    P[e] = stray.inverse_1_T2[e] + information;
-  }
+  const auto information_1_T2 = AsMatrix<kReadings>(stray.cycle.information_1_T2);
+  const ReadingVector gradient_1_T =
+      share * (AsVector(stray.cycle.gradient_1_T) - information_1_T2 * AsVector(stray.mean_T));
+  const double expected = share * AsMatrix<kReadings>(stray.covariance_T2).cwiseProduct(information_1_T2).sum();
+  ReadingMatrix P;
+  AsMatrix<kReadings>(P) = AsMatrix<kReadings>(stray.inverse_1_T2) + share * information_1_T2;
   if (!InvertPositive<kReadings>(P.data(), kReadings)) return;
-  Rows mean_T = stray.mean_T;
-  for (std::size_t a = 0; a < kRows; ++a) {
-    double step_T = 0;
-    for (std::size_t b = 0; b < kRows; ++b) step_T += P[a * kRows + b] * share * gradient_1_T[b];
-    mean_T[a] += step_T;
-    surprise += step_T * share * gradient_1_T[a];
-  }
+  const ReadingVector step_T = AsMatrix<kReadings>(P) * gradient_1_T;
+  const double surprise = step_T.dot(gradient_1_T);
   if (!std::isfinite(surprise)) return;
   if (surprise > options.jumps * expected) {
     const double ratio = std::min(surprise / (options.moves * expected), options.jumps_max);
-    Widen(model, (ratio - 1) * ShareOfPrior(model, Sum(stray.variance_T2)), stray);
+    Widen(model, (ratio - 1) * ShareOfPrior(model, AsVector(stray.variance_T2).sum()), stray);
   } else {
-    stray.mean_T = mean_T;
+    AsVector(stray.mean_T) += step_T;
     stray.covariance_T2 = P;
   }
   if (surprise > options.moves * expected) stray.wander_1_s *= options.wander_grows;
@@ -142,7 +89,7 @@ void Correct(const StrayOptions& options, const Model& model, StrayField& stray)
 void Renew(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
   Correct(options, model, stray);
   const double wandered = stray.wander_1_s * options.cycle_scans * base::kTickPeriod_s;
-  const double found = ShareOfPrior(model, Dot(stray.mean_T, stray.mean_T));
+  const double found = ShareOfPrior(model, AsVector(stray.mean_T).squaredNorm());
   Widen(model, std::max(wandered, found - stray.widened), stray);
   if (stray.wander_1_s > options.moving_1_s) stray.places = 0;
   SetPoseCovariance(options, stray);
@@ -160,7 +107,7 @@ double SystematicShare(const Measurement& measurement) noexcept {
 
 // False: its field is larger than any room has, and is dropped.
 bool TakeDipole(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
-  Rows mean_T;
+  ReadingLanes mean_T;
   ReadingMatrix covariance_T2;
   OffsetsOfDipole(options.dipole, model, stray.dipole, mean_T, covariance_T2);
   if (!(RootMeanSquare(mean_T) <= options.max_T)) {
@@ -193,7 +140,7 @@ void Follow(const StrayOptions& options, const Model& model, const Measurement& 
     return;
   }
   stray.places = 0;
-  stray.widened = ShareOfPrior(model, Dot(stray.mean_T, stray.mean_T));
+  stray.widened = ShareOfPrior(model, AsVector(stray.mean_T).squaredNorm());
   Widen(model, options.lost, stray);
   SetPoseCovariance(options, stray);
   Forget(stray);
@@ -218,7 +165,7 @@ bool StartFromDipole(const StrayOptions& options, const Model& model, const Stra
 
 void LoosenStray(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
   stray.places = 0;
-  if (ShareOfPrior(model, Sum(stray.variance_T2)) < options.lost_max) Widen(model, options.lost, stray);
+  if (ShareOfPrior(model, AsVector(stray.variance_T2).sum()) < options.lost_max) Widen(model, options.lost, stray);
   SetPoseCovariance(options, stray);
   Forget(stray);
 }
@@ -234,7 +181,7 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
       SearchDipole(options.dipole, model, stray.dipole);
     if (turn != 1) return;
     StrayScan scan;
-    const Rows* variance_T2 = stray.believed ? &stray.variance_T2 : nullptr;
+    const ReadingLanes* variance_T2 = stray.believed ? &stray.variance_T2 : nullptr;
     if (!MakeStrayScan(model, drift, measurement, pose, stray.mean_T, variance_T2, scan)) return;
     if (stray.dipole.followed() != nullptr) {
       Follow(options, model, measurement, scan, repeats, stray);
@@ -271,8 +218,7 @@ void LearnStray(const StrayOptions& options, const Model& model, const DriftStat
 }
 
 void AddStrayCovariance(const StrayOptions& options, const StrayField& stray, Fit& fit) noexcept {
-  using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  fit.covariance.topLeftCorner<3, 3>() += Eigen::Map<const RowMajor3>(stray.position_covariance_m2.data());
+  fit.covariance.topLeftCorner<3, 3>() += AsMatrix<3>(stray.position_covariance_m2);
   fit.covariance(3, 3) += stray.axis_variance;
   fit.covariance(4, 4) += stray.axis_variance;
   if (stray.places_to_prove > 0) fit.covariance *= options.unproven_factor;

@@ -4,13 +4,14 @@
 #include <cmath>
 
 #include "service/tracker/kernel/cholesky.h"
+#include "service/tracker/kernel/matrices.h"
 
 namespace omni::tracker {
 namespace {
 
 constexpr std::size_t kRows = kReadings;
 constexpr std::size_t kCoils = base::kCoilCount;
-constexpr std::size_t kEliminated = StrayScan::kEliminated;
+constexpr int kEliminated = static_cast<int>(StrayScan::kEliminated);
 constexpr double kCurrentMin_A2 = 1e-12, kMomentMin = 1e-8;  // variances of what is known well
 constexpr double kWhiteMin = 1e-3;  // of a reading's variance: what is its own, where its offset is unknown
 
@@ -53,11 +54,7 @@ void Linearise(const Model& model, const Measurement& measurement, const Pose& p
 // No prior of pose and ambient field: the knowledge of that field was learnt with the offsets taken for known.
 bool SetGain(const Measurement& measurement, const DriftState& drift, StrayScan& scan) noexcept {
   std::array<double, kEliminated * kEliminated> H;
-  for (std::size_t a = 0; a < kEliminated; ++a) {
-    for (std::size_t b = 0; b <= a; ++b) {
-      H[a * kEliminated + b] = H[b * kEliminated + a] = Dot(scan.columns[a], scan.columns[b]);
-    }
-  }
+  AsMatrix<kEliminated>(H) = AsRows(scan.columns) * AsRows(scan.columns).transpose();
   const auto drift_variance = [&](std::size_t state) { return drift.covariance[state * (kDriftStates + 1)]; };
   for (std::size_t k = 0; k < kCoils; ++k) {
     const double variance_A2 = measurement.current_variance_A2[k] + drift_variance(k);
@@ -77,33 +74,24 @@ void AddGains(const StrayScan& scan, const base::HallScan& readings, const Rows&
   for (std::size_t i = 0; i < kSensors; ++i) {
     const base::Vec3& read_T = readings.field_sensor_T[i];
     const std::array<double, 3> of_axis_T{read_T.x, read_T.y, read_T.z};
-    std::array<double, 3> c{};
+    const auto of_sensor = Eigen::seqN(static_cast<int>(i), Eigen::fix<3>, Eigen::fix<static_cast<int>(kSensors)>);
+    Matrix<3, 1> c = Matrix<3, 1>::Zero();
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::size_t row = kSensors * axis + i;
-      if (scan.inverse_sigma[row] == 0) continue;  // perhaps it is no number
-      c[axis] = scan.inverse_sigma[row] * of_axis_T[axis];
-      evidence.gain_information[i] += c[axis] * c[axis];
-      evidence.gain_gradient[i] -= c[axis] * rest[row];
+      const double inverse_sigma = scan.inverse_sigma[kSensors * axis + i];
+      if (inverse_sigma != 0) c[static_cast<int>(axis)] = inverse_sigma * of_axis_T[axis];  // else perhaps no number
     }
-    for (std::size_t e = 0; e < kEliminated; ++e) {
-      double column = 0, gain = 0;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        column += scan.columns[e][kSensors * axis + i] * c[axis];
-        gain += scan.gain[e][kSensors * axis + i] * c[axis];
-      }
-      evidence.gain_information[i] -= column * gain;
-    }
+    const Matrix<kEliminated, 3> columns = AsRows(scan.columns)(Eigen::all, of_sensor);
+    const Matrix<kEliminated, 3> gain = AsRows(scan.gain)(Eigen::all, of_sensor);
+    evidence.gain_information[i] += c.squaredNorm() - (columns * c).dot(gain * c);
+    evidence.gain_gradient[i] -= c.dot(AsVector(rest)(of_sensor));
   }
 }
 
 }  // namespace
 
 ReadingLanes StrayScan::Eliminate(const ReadingLanes& column) const noexcept {
-  ReadingLanes left = column;
-  for (std::size_t e = 0; e < kEliminated; ++e) {
-    const double size = Dot(gain[e], column);
-    for (std::size_t row = 0; row < kRows; ++row) left[row] -= columns[e][row] * size;
-  }
+  ReadingLanes left;
+  AsVector(left) = AsVector(column) - AsRows(columns).transpose() * (AsRows(gain) * AsVector(column));
   return left;
 }
 
@@ -116,43 +104,27 @@ bool MakeStrayScan(const Model& model, const DriftState& drift, const Measuremen
 
 void AddScan(const StrayScan& scan, const base::HallScan& readings, const ReadingLanes& offset_T,
              StrayEvidence& evidence) noexcept {
+  const auto inverse_sigma = AsVector(scan.inverse_sigma);
   Rows residual;
-  for (std::size_t row = 0; row < kRows; ++row) {
-    residual[row] = scan.residual[row] - scan.inverse_sigma[row] * offset_T[row];
-  }
+  AsVector(residual) = AsVector(scan.residual) - inverse_sigma.cwiseProduct(AsVector(offset_T));
   const Rows rest = scan.Eliminate(residual);
-  std::array<Rows, kEliminated> gain = scan.gain;
-  for (Rows& row : gain) {
-    for (std::size_t b = 0; b < kRows; ++b) row[b] *= scan.inverse_sigma[b];
-  }
-  for (std::size_t a = 0; a < kRows; ++a) {
-    const double weight = scan.inverse_sigma[a];
-    Rows eliminated{};
-    for (std::size_t e = 0; e < kEliminated; ++e) {
-      const double factor = weight * scan.columns[e][a];
-      for (std::size_t b = 0; b < kRows; ++b) eliminated[b] += factor * gain[e][b];
-    }
-    double* row = &evidence.information_1_T2[a * kRows];
-    for (std::size_t b = 0; b < kRows; ++b) row[b] -= eliminated[b];
-    row[a] += weight * scan.inverse_sigma[a];
-    evidence.gradient_1_T[a] -= weight * rest[a];
-  }
+  const Matrix<kEliminated, kReadings> columns = AsRows(scan.columns) * inverse_sigma.asDiagonal();
+  const Matrix<kEliminated, kReadings> gain = AsRows(scan.gain) * inverse_sigma.asDiagonal();
+  auto information_1_T2 = AsMatrix<kReadings>(evidence.information_1_T2);
+  information_1_T2 -= columns.transpose() * gain;
+  information_1_T2.diagonal() += inverse_sigma.cwiseAbs2();
+  AsVector(evidence.gradient_1_T) -= inverse_sigma.cwiseProduct(AsVector(rest));
   AddGains(scan, readings, rest, evidence);
   evidence.misfit += Dot(residual, rest);
   ++evidence.scans;
 }
 
 void AddEvidence(double keep, double share, const StrayEvidence& evidence, StrayEvidence& sum) noexcept {
-  for (std::size_t e = 0; e < sum.information_1_T2.size(); ++e) {
-    sum.information_1_T2[e] = keep * sum.information_1_T2[e] + share * evidence.information_1_T2[e];
-  }
-  for (std::size_t a = 0; a < kRows; ++a) {
-    sum.gradient_1_T[a] = keep * sum.gradient_1_T[a] + share * evidence.gradient_1_T[a];
-  }
-  for (std::size_t i = 0; i < kSensors; ++i) {
-    sum.gain_information[i] = keep * sum.gain_information[i] + share * evidence.gain_information[i];
-    sum.gain_gradient[i] = keep * sum.gain_gradient[i] + share * evidence.gain_gradient[i];
-  }
+  const auto add = [=](const auto& now, auto& all) { AsVector(all) = keep * AsVector(all) + share * AsVector(now); };
+  add(evidence.information_1_T2, sum.information_1_T2);
+  add(evidence.gradient_1_T, sum.gradient_1_T);
+  add(evidence.gain_information, sum.gain_information);
+  add(evidence.gain_gradient, sum.gain_gradient);
   sum.misfit = keep * sum.misfit + share * evidence.misfit;
   sum.scans = keep * sum.scans + share * evidence.scans;
 }
