@@ -22,6 +22,8 @@ struct BenchOptions {
   double hours = 10;              // stress: virtual time of the drift run
   std::string conditions;         // room: only these, separated by commas; empty: all
   std::uint64_t bases = 0;        // numbers: 0: the bench's own number
+  std::string numbers;            // numbers: only these, separated by commas; empty: all
+  double factor = 0;              // numbers: scaled by it and its inverse; 0: by .7 and 1.4
   std::string resume;             // numbers: file with what is done; empty: none
 };
 

@@ -77,7 +77,10 @@ void AddBenches(Command& app) {
     sub.Add("--condition", options->conditions,
             "room: only these conditions, separated by commas; numbers: only this one");
     sub.Add("--bases", options->bases, "numbers: so many").Range(std::uint64_t{1}, std::uint64_t{100});
-    sub.Add("--resume", options->resume, "numbers: keeps here what is done, and goes on from it");
+    sub.Add("--number", options->numbers, "numbers: only these, separated by commas");
+    sub.Add("--factor", options->factor, "numbers: scaled by it and its inverse instead of .7 and 1.4").Range(1.0, 1e9);
+    sub.Add("--resume", options->resume,
+            "numbers: keeps here what is done, and goes on from it; of the same numbers and factor");
     sub.Add("--hours", options->hours, "stress: virtual time of the drift run").Range(0.0, 1000.0);
     sub.Run([&bench, options, json_path] { return RunBench(bench, *options, *json_path); });
   }

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <sstream>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -29,7 +30,8 @@ namespace {
 
 constexpr double kRun_s = 10;
 constexpr std::size_t kBases = 2;
-constexpr std::array<double, 2> kFactors{0.7, 1.4};
+using Factors = std::array<double, 2>;
+constexpr Factors kFactors{0.7, 1.4};
 // A change that is no effect: of mean error and of the median of published sigmas, relative; of the shares of ticks
 // with a pose, with an error beyond five sigma, and with another report.
 constexpr double kSameError = 0.005, kSameSigma = 0.005, kSameShare = 5e-4;
@@ -254,13 +256,33 @@ struct Effect {
 
 using Changes = std::vector<std::array<Change, kFactors.size()>>;  // by number
 
-Changes Try(const Recording& recording, std::size_t numbers, std::size_t every) {
+// What is on trial: these numbers of the list, each by these factors.
+struct Trial {
+  Factors factors = kFactors;
+  std::vector<std::size_t> numbers;
+};
+
+// Empty: a name is not listed.
+std::vector<std::size_t> Chosen(const std::vector<TrackerNumber>& listed, const BenchOptions& options) {
+  std::vector<std::size_t> chosen;
+  std::istringstream names(options.numbers);
+  for (std::string name; std::getline(names, name, ',');) {
+    const auto at = std::find_if(listed.begin(), listed.end(), [&](const auto& number) { return number.name == name; });
+    if (at == listed.end()) return {};
+    chosen.push_back(static_cast<std::size_t>(at - listed.begin()));
+  }
+  for (std::size_t n = 0; options.numbers.empty() && n < listed.size(); n += options.quick ? 16 : 1)
+    chosen.push_back(n);
+  return chosen;
+}
+
+Changes Try(const Trial& trial, const Recording& recording) {
   const Result before = Track(recording, recording.config);
-  Changes changes(numbers);
-  base::InParallel(numbers, [&](std::size_t n) {
-    for (std::size_t f = 0; f < kFactors.size() && n % every == 0; ++f) {
+  Changes changes(trial.numbers.size());
+  base::InParallel(changes.size(), [&](std::size_t n) {
+    for (std::size_t f = 0; f < trial.factors.size(); ++f) {
       tracker::Config config = recording.config;
-      Scale(kFactors[f], TrackerNumbers(config)[n]);
+      Scale(trial.factors[f], TrackerNumbers(config)[trial.numbers[n]]);
       changes[n][f] = ChangeOf(before, Track(recording, config));
     }
   });
@@ -287,10 +309,13 @@ base::Result<BenchRows> BenchNumbers(const BenchOptions& options) {
   if (!box.ok()) return base::Error{box.error()};
   tracker::Config plain;
   const std::vector<TrackerNumber> listed = TrackerNumbers(plain);
-  const std::size_t bases = options.quick       ? 1
-                            : options.bases > 0 ? options.bases
-                                                : kBases,
-                    every = options.quick ? 16 : 1;
+  Trial trial;
+  if (options.factor > 0) trial.factors = {1 / options.factor, options.factor};
+  trial.numbers = Chosen(listed, options);
+  if (trial.numbers.empty()) return base::Error{options.numbers + ": unknown number"};
+  const std::size_t count = trial.numbers.size(), bases = options.bases > 0 ? options.bases
+                                                          : options.quick   ? 1
+                                                                            : kBases;
   const base::DeviceGeometry device = FastDevice();
   std::vector<Plan> plans = Plans(device, *box);
   if (options.quick && options.conditions.empty()) plans.resize(4);
@@ -301,32 +326,32 @@ base::Result<BenchRows> BenchNumbers(const BenchOptions& options) {
     if (plans.empty()) return base::Error{options.conditions + ": unknown condition"};
   }
   Done done = ReadDone(options.resume);
-  std::vector<std::array<Effect, kFactors.size()>> effects(listed.size());
+  std::vector<std::array<Effect, kFactors.size()>> effects(count);
   for (std::size_t b = 0; b < bases; ++b) {
     const std::uint64_t seed = 1000 * options.seed + 10 * b;
     Base base(seed);
     for (const Plan& plan : plans) {
       Changes& changes = done[{seed, plan.name}];
-      if (changes.size() != listed.size()) {
+      if (changes.size() != count) {
         const auto recording = base.Record(plan);
         if (!recording.ok()) return base::Error{recording.error()};
-        changes = Try(*recording, listed.size(), every);
+        changes = Try(trial, *recording);
         if (!options.resume.empty()) {
           std::ofstream(options.resume, std::ios::app)
               << nlohmann::json{{"seed", seed}, {"recording", plan.name}, {"changes", changes}} << std::endl;
         }
       }
-      for (std::size_t n = 0; n < listed.size(); n += every) {
-        for (std::size_t f = 0; f < kFactors.size(); ++f) effects[n][f].Add(plan.name, changes[n][f]);
+      for (std::size_t n = 0; n < count; ++n) {
+        for (std::size_t f = 0; f < trial.factors.size(); ++f) effects[n][f].Add(plan.name, changes[n][f]);
       }
     }
   }
   BenchRows rows;
-  for (std::size_t n = 0; n < listed.size(); n += every) {
-    for (std::size_t f = 0; f < kFactors.size(); ++f) {
+  for (std::size_t n = 0; n < count; ++n) {
+    for (std::size_t f = 0; f < trial.factors.size(); ++f) {
       const Change& most = effects[n][f].most;
-      rows.push_back({{"number", listed[n].name},
-                      {"factor", kFactors[f]},
+      rows.push_back({{"number", listed[trial.numbers[n]].name},
+                      {"factor", trial.factors[f]},
                       {"bases", bases},
                       {"seed", options.seed},
                       {"error_change_pct", 100 * most.error},
