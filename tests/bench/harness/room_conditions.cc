@@ -78,6 +78,24 @@ Happening SecondPen(double distance_m) {
   };
 }
 
+// Four magnets, of loudspeakers and lid, on a square of .24 m whose nearest edge comes so near within a second.
+Happening Laptop(double distance_m) {
+  return [distance_m](TruthParameters& truth, Random& draw) {
+    const double angle = 2 * std::numbers::pi * draw.Uniform();
+    const base::Vec3 away{std::cos(angle), std::sin(angle), 0}, across{-away.y, away.x, 0};
+    for (const double side_m : {-0.12, 0.12}) {
+      for (const double further_m : {0.0, 0.24}) {
+        const base::Vec3 to_base_m = (distance_m + further_m) * away + side_m * across;
+        truth.effects.room.magnets.push_back({.moment_Am2 = 0.5 * Direction(draw),
+                                              .from_base_m = to_base_m + 1.0 * away,
+                                              .to_base_m = to_base_m,
+                                              .leaves_s = kFirst_s,
+                                              .arrives_s = kFirst_s + 1});
+      }
+    }
+  };
+}
+
 // Comes nearer for ten seconds, from one of five sides.
 void Phone(TruthParameters& truth, Random& draw) {
   constexpr std::array<base::Vec3, 5> kSides{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0.6, 0, 0.8}}};
@@ -155,6 +173,7 @@ std::vector<RoomCondition> RoomConditions() {
       {"second-pen-300", false, {}, SecondPen(0.3), once},
       {"second-pen-200", false, {}, SecondPen(0.2), once},
       {"phone-130", false, {}, Phone, once},
+      {"laptop-200", false, {}, Laptop(0.2), once},
       {"gain-1", false, {}, Faulty(Kind::kGain, 1.01), once},
       {"gain-3", false, {}, Faulty(Kind::kGain, 1.03), once},
       {"gain-10", false, {}, Faulty(Kind::kGain, 1.10), once},

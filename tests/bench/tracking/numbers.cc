@@ -39,7 +39,7 @@ constexpr const char* kComesAndGoes = "comes-and-goes";        // of the pen, in
 constexpr const char* kBesideFromStart = "beside-from-start";  // a second pen, before the first scan
 constexpr const char* kRests = "rests";
 constexpr const char* kInterrupted = "interrupted";
-constexpr double kStay_s = 1.5, kGone_s = 1;
+constexpr double kStay_s = 1.5, kGone_s = 2;
 
 struct RecordedScan {
   base::HallScan scan;
@@ -153,6 +153,13 @@ struct Plan {
       record;
 };
 
+RoomCondition ConditionOf(const std::string& name) {
+  for (const RoomCondition& condition : RoomConditions()) {
+    if (condition.name == name) return condition;
+  }
+  return {};
+}
+
 std::vector<Plan> Plans(const base::DeviceGeometry& device, const haptics::Scene& scene) {
   std::vector<Plan> plans;
   const auto wave = [&device](const loop::TickConfig&, const base::TruthParameters& truth, std::uint64_t seed) {
@@ -168,16 +175,22 @@ std::vector<Plan> Plans(const base::DeviceGeometry& device, const haptics::Scene
                                       sim::MakeOrdinaryHand(device, {.seed = seed + 2, .duration_s = kRun_s}));
                      }});
   }
-  plans.push_back({kComesAndGoes, {"room"}, [&device](const auto&, const auto& truth, std::uint64_t seed) {
-                     std::vector<RecordedScan> scans;
-                     for (std::uint64_t k = 0; k < 4; ++k) {
-                       AddWave(device, truth, seed, {.duration_s = kGone_s, .seed = seed + 10 + k, .present = false},
-                               scans);
-                       AddWave(device, truth, seed,
-                               {.duration_s = kStay_s, .seed = seed + 20 + k, .motion = Waving(seed + 30 + k)}, scans);
-                     }
-                     return scans;
-                   }});
+  const auto comes_and_goes = [&device](const auto&, const auto& truth, std::uint64_t seed) {
+    std::vector<RecordedScan> scans;
+    for (std::uint64_t k = 0; k < 4; ++k) {
+      AddWave(device, truth, seed, {.duration_s = kGone_s, .seed = seed + 10 + k, .present = false}, scans);
+      AddWave(device, truth, seed, {.duration_s = kStay_s, .seed = seed + 20 + k, .motion = Waving(seed + 30 + k)},
+              scans);
+    }
+    return scans;
+  };
+  plans.push_back({kComesAndGoes, {"room"}, comes_and_goes});
+  RoomCondition warmed = ConditionOf("offsets-50mG");
+  warmed.later = [warms = warmed.later](base::TruthParameters& truth, sim::Random& draw) {
+    warms(truth, draw);
+    truth.effects.run_s = 1e-3;  // before the first scan
+  };
+  plans.push_back({std::string("warmed, ") + kComesAndGoes, warmed, comes_and_goes});
   plans.push_back({kRests, {"room"}, [&device](const auto& config, const auto& truth, std::uint64_t seed) {
                      return Pressed(device, config, truth, seed, {}, RestingHand());
                    }});
@@ -188,9 +201,7 @@ std::vector<Plan> Plans(const base::DeviceGeometry& device, const haptics::Scene
                    }});
   RoomCondition beside{"room"};
   beside.later = [](base::TruthParameters& truth, sim::Random& draw) {
-    for (const RoomCondition& condition : RoomConditions()) {
-      if (condition.name == "second-pen-300") condition.later(truth, draw);
-    }
+    ConditionOf("second-pen-300").later(truth, draw);
     truth.effects.room.magnets.back().leaves_s = truth.effects.room.magnets.back().arrives_s = 0;
   };
   plans.push_back({kBesideFromStart, beside, wave});
