@@ -27,7 +27,7 @@ class TrackerCoreString : public testing::Test {
     pen.position_base_m = {0.1 * core_A.x, 0.1 * core_A.y, 0.09};
     for (std::size_t k = 0; k < 3; ++k) current_A[k] += current_step_A[k];
     FollowCore(noise, current_A, &pen, drift);
-    PredictDrift(noise, 0.004, current_step_A, &pen, drift);
+    PredictDrift(noise, drift.t_ns + 4'000'000, &pen, drift);
   }
   double Kept_A(std::size_t k) const { return drift.mean[k]; }
 };
@@ -93,7 +93,7 @@ TEST_F(TrackerCoreString, RemanenceDecaysWithoutThePen) {
   MoveTo({0.03, 0, 0});
   for (int n = 0; n < 500; ++n) {
     FollowCore(noise, current_A, nullptr, drift);
-    PredictDrift(noise, 0.01, {}, nullptr, drift);
+    PredictDrift(noise, drift.t_ns + 10'000'000, nullptr, drift);
   }
   EXPECT_NEAR(Kept_A(0), 0, 0.01 * kKept_A);
   EXPECT_GT(drift.covariance[0], kKept_A * kKept_A / 3);

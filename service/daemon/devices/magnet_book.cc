@@ -55,7 +55,7 @@ void MagnetBook::Open(const std::string& serial, double calibrated_moment_Am2, t
 
 bool MagnetBook::Add(const base::ToolState& tool, std::int64_t now_unix_s) {
   const bool learnt = tool.status == base::TrackingStatus::kTracking && tool.magnet == base::MagnetIdentity::kKnown &&
-                      tool.moment_sigma <= options_.exact;
+                      tool.moment_sigma <= options_.identified;
   if (!learnt || !readable_ || !(calibrated_moment_Am2_ > 0)) return false;
   const double moment_Am2 = tool.moment_scale * calibrated_moment_Am2_;
   const double sigma_share = tool.moment_sigma / tool.moment_scale;

@@ -69,7 +69,7 @@ Currents CurrentVariance(const Trust& trust, const Currents& current_A, const Cu
     variance_A2[k] = trust.currents_hidden
                          ? std::numeric_limits<double>::infinity()
                          : Square(trust.current_error_A) + Square(trust.current_error_relative * current_A[k]) +
-                               Square(change_error * change_A[k]) + Square(trust.remanence_A);
+                               Square(change_error * change_A[k]);
   }
   return variance_A2;
 }

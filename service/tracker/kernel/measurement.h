@@ -18,7 +18,6 @@ struct Trust {
   double current_error_relative = 2e-3;  // ... gain ...
   double current_step_error = 0.05;      // ... and of the largest change of a control step: inductance ...
   double current_change_error = 0.1;     // ... or, where only means are reported, of their change (lag)
-  double remanence_A = 0;                // field that the core keeps, as currents: it looks like theirs
   bool currents_hidden = false;          // currents are not known at all: three unknowns without a prior
   double ambient_error_T = 0;            // of a uniform field that appeared after the background was measured
   std::uint32_t sensors_out = 0;         // bit i: sensor i is not used

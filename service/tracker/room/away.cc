@@ -56,11 +56,9 @@ bool Find(const Model& model, const Rows& mean_T, double core_T2_A2, Found& foun
   return true;
 }
 
-// All 24 readings, without background and coils; false: one is unusable, or coils are on.
-bool AddScan(const AwayOptions& options, const Model& model, const base::HallScan& scan, Rows& sum_T) noexcept {
-  double current_A = 0;
-  for (const double I : scan.coil_current_A) current_A += std::abs(I);
-  if (!(current_A <= options.current_max_A) || scan.saturated_mask != 0) return false;
+// All 24 readings, without background and coils; false: one is unusable.
+bool AddScan(const Model& model, const base::HallScan& scan, Rows& sum_T) noexcept {
+  if (scan.saturated_mask != 0) return false;
   Rows next = sum_T;
   double total = 0;
   for (std::size_t i = 0; i < kSensors; ++i) {
@@ -138,7 +136,7 @@ bool WatchAway(const AwayOptions& options, const Model& model, const base::HallS
     away.begun_ns = scan.t_ns;
     away.sum_T = {};
   }
-  if (!AddScan(options, model, scan, away.sum_T)) {
+  if (!AddScan(model, scan, away.sum_T)) {
     EndAwayWindow(away);
     return false;
   }

@@ -14,9 +14,8 @@ namespace omni::tracker {
 
 struct AwayOptions {
   bool enabled = true;
-  double window_s = 0.5;  // whose mean is evaluated ...
-  int window_scans = 16;  // ... of at least so many scans
-  double current_max_A = 0.05;
+  double window_s = 0.5;      // whose mean is evaluated ...
+  int window_scans = 16;      // ... of at least so many scans
   double gradient_max = 3.5;  // per degree of freedom, over the rest: zeros: below 3 in 19 of 20; a magnet: above 8
   double quiet_T = 3e-7;      // rms of a mean that shows nothing, apart from twice the zeros' uncertainty
   double steady_T = 5e-7;     // the uniform field from one window to the next: nothing moves

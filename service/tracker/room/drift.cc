@@ -16,7 +16,7 @@ constexpr int kAmbient = base::kCoilCount;                 // the first of three
 constexpr double kMemory = 0.1;                            // share of the newest innovation in the mean of those before
 constexpr double kMoves = 0.1, kModelLasts = 0.6;          // of that mean, squared: the wander grows ...
 constexpr double kWanderGrows = 2, kWanderShrinks = 0.98;  // ... by so much
-constexpr double kCurrentStepMax_A = 1e3, kForgetMax_s = 1e6;
+constexpr double kForgetMax_s = 1e6;
 constexpr double kJump = 10;  // of one innovation: once in a million, were it no jump
 
 using StateMatrix = Matrix<kStates>;
@@ -295,9 +295,9 @@ std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept {
 // x <- phi x (but the ambient field stays where it is), P <- phi P phi + (1 - phi^2) P0 with phi = exp(-dt / tau)
 // [Ornstein & Uhlenbeck 1930]; the covariance of changes grows as P does, but slower where one pose carries little
 // information.
-void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
-                  const PenPlace* pen, DriftState& drift) noexcept {
-  dt_s = std::max(dt_s, 0.0);
+void PredictDrift(const DriftNoise& noise, std::int64_t t_ns, const PenPlace* pen, DriftState& drift) noexcept {
+  const double dt_s = std::clamp(base::Elapsed_s(t_ns, drift.t_ns), 0.0, kForgetMax_s);
+  drift.t_ns = t_ns;
   const auto keep_of = [&](double times) { return drift.valid ? std::exp(-times) : 0.0; };
   const double remanence = keep_of(ForgottenOf(noise.still, dt_s, pen, noise.core_kept_A, drift.still));
   const double ambient = keep_of(dt_s / noise.ambient_s), moment = keep_of(dt_s / noise.moment_s);
@@ -311,36 +311,12 @@ void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double,
   StateVector grows;
   for (int a = 0; a < kStates; ++a) grows[a] = (1 - Square(keep[a])) * VarianceOf(noise, follows, a);
   grows.segment<3>(kAmbient).array() += dt_s * drift.ambient_wander_T2_s;
-  for (int k = 0; k < kCurrents && drift.valid; ++k) {
-    const double most = VarianceOf(noise, follows, k);
-    const double room = std::max(0.0, 1 - (Square(keep[k]) * P(k, k) + grows[k]) / most);
-    const double step_A = current_step_A[static_cast<std::size_t>(k)];
-    grows[k] += std::min(most, Square(noise.current_step_error * step_A)) * room;
-  }
   P = keep.asDiagonal() * P * keep.asDiagonal();
   P.diagonal() += grows;
-  StateVector slower = StateVector::Ones();
-  slower.segment<3>(kAmbient).setConstant(noise.ambient_still);
-  slower[kMoment] = noise.moment_still;
-  AsMatrix<kStates>(drift.still.covariance).diagonal() += slower.cwiseProduct(grows);
+  grows.tail<kStates - kCurrents>() *= noise.still_grows;
+  AsMatrix<kStates>(drift.still.covariance).diagonal() += grows;
   drift.step_s = dt_s;
   drift.valid = true;
-}
-
-void PredictDriftTo(const DriftNoise& noise, std::int64_t t_ns,
-                    const std::array<double, base::kCoilCount>& coil_current_A, const PenPlace* pen,
-                    DriftState& drift) noexcept {
-  std::array<double, base::kCoilCount> step_A{};
-  double sum_A = 0;
-  for (std::size_t k = 0; k < step_A.size(); ++k) {
-    step_A[k] = coil_current_A[k] - drift.coil_current_A[k];
-    sum_A += std::abs(step_A[k]);
-  }
-  const bool plausible = sum_A <= kCurrentStepMax_A;
-  if (!plausible) step_A = {};
-  PredictDrift(noise, std::clamp(base::Elapsed_s(t_ns, drift.t_ns), 0.0, kForgetMax_s), step_A, pen, drift);
-  drift.t_ns = t_ns;
-  if (plausible) drift.coil_current_A = coil_current_A;
 }
 
 DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measurement, const KernelSums& sums,
@@ -368,9 +344,9 @@ AmbientEvidence CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, Dr
   if (!InvertPositive<kStates>(P.data(), kStates)) return {};
   StateVector x = AsVector(drift.mean) + P * (evidence.share * AsVector(evidence.gradient));
   if (!x.allFinite()) return {};
-  const double pen = drift.moment_open ? 0 : drift.moment_of_pen;
-  const double most = drift.moment_open ? noise.moment_open_max : noise.moment_max;
-  x[kMoment] = std::clamp(x[kMoment], pen - most, pen + most);
+  if (!drift.moment_open) {
+    x[kMoment] = std::clamp(x[kMoment], drift.moment_of_pen - noise.moment_max, drift.moment_of_pen + noise.moment_max);
+  }
   AsVector(drift.mean) = x;
   AsMatrix<kStates>(covariance) = P;
   if (drift.still.referenced) {

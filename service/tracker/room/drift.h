@@ -22,18 +22,17 @@ struct DriftNoise {
   double coil_core_share = 0.5;                       // of a coil's moment, which is the core's
   StillOptions still;                                 // when the core's state is forgotten
   double ambient_T = 5e-7, ambient_s = 100;
-  // Factors on the growth of these variances while the pen lies still and slow changes have time to be seen.
-  double ambient_still = 1e-2, moment_still = 1e-1;
+  // Factor on the growth of this variance and of the moment's while the pen lies still: slow changes have time to be
+  // seen.
+  double still_grows = 1e-2;
   // A field that changes faster than that: the base is turned or carried, iron comes near. How far it may have jumped
   // when nothing else explains a scan, and the bounds, in T^2/s, between which its wander is learnt from the
   // innovations.
   double ambient_jump_T = 1e-4;
   double ambient_wander_min_T2_s = 1e-15, ambient_wander_max_T2_s = 1e-9;
-  double ambient_open_T = 6e-7;      // a field known less well is an unknown of every scan
-  double current_step_error = 0.03;  // of a change of the current: gain and lag of its sensor, hysteresis of the core
+  double ambient_open_T = 6e-7;          // a field known less well is an unknown of every scan
   double moment = 0.01, moment_s = 2e4;  // 0.01 % in a second
-  double moment_max = 0.05;              // from that of the pen in use ...
-  double moment_open_max = 0.4;          // ... and, while that is not known, from the calibrated one
+  double moment_max = 0.05;              // from that of the pen in use
   // The model's error stays the same from scan to scan until the pen has moved, turned or waited so much.
   double same_error_m = 0.02, same_error_rad = 0.3, same_error_s = 10;
 };
@@ -46,7 +45,6 @@ struct DriftState {
   // Means over the last scans of the evidence that the ambient field has moved, as information and gradient.
   std::array<double, 9> recent_information{};
   std::array<double, 3> recent_gradient{};
-  std::array<double, base::kCoilCount> coil_current_A{};  // at the last correction
   DriftVector mean{};
   DriftMatrix covariance{};
   double moment_of_pen = 0;  // mean of the moment's state: that of the pen in use
@@ -82,16 +80,9 @@ std::array<double, 3> AmbientField_T(const DriftState& drift) noexcept;  // fram
 void FollowCore(const DriftNoise& noise, const std::array<double, base::kCoilCount>& coil_current_A,
                 const PenPlace* pen, DriftState& drift) noexcept;
 
-// Relaxes the states over `dt_s`; an invalid state starts at zero with its full variance. current_step_A: since the
-// last correction; the sensors' errors in it are added. pen: null: it may be anywhere.
-void PredictDrift(const DriftNoise& noise, double dt_s, const std::array<double, base::kCoilCount>& current_step_A,
-                  const PenPlace* pen, DriftState& drift) noexcept;
-
-// The same to a scan's time: since the prediction before, and the current's step since then. coil_current_A: of the
-// scan; what no current can be counts as no step.
-void PredictDriftTo(const DriftNoise& noise, std::int64_t t_ns,
-                    const std::array<double, base::kCoilCount>& coil_current_A, const PenPlace* pen,
-                    DriftState& drift) noexcept;
+// Relaxes the states to a scan's time; an invalid state starts at zero with its full variance. pen: null: it may be
+// anywhere.
+void PredictDrift(const DriftNoise& noise, std::int64_t t_ns, const PenPlace* pen, DriftState& drift) noexcept;
 
 // Number of scans, step_s apart, in which the model's own error is the same: n of (18).
 double RepeatsOf(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept;

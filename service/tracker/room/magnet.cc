@@ -92,7 +92,7 @@ void FollowMagnet(const MagnetOptions& options, const base::ToolState& tool, dou
   magnet.foreign_s = 0;
   if (!magnet.identified) return;
   magnet.last_moment = MomentScale(drift) - 1;
-  if (magnet.which != Magnet::kNone || !(MomentVariance(drift) <= SquareOf(options.exact))) return;
+  if (magnet.which != Magnet::kNone) return;
   magnet.tracked_s += dt_s;
   if (magnet.tracked_s < options.learnt_s) return;
   const int last = kKnownMagnetsMax - 1;

@@ -24,8 +24,7 @@ struct MagnetOptions {
   double warmth = 0.01;        // rms change of a moment with the magnet's temperature
   double unknown = 0.2;        // standard deviation of the moment of a pen of which nothing is known
   double furthest = 0.35;      // from the calibrated moment: beyond, it is no pen's
-  double identified = 0.0125;  // standard deviation from which on a moment says which magnet it is ...
-  double exact = 0.01;         // ... and is worth being kept as that of a new one
+  double identified = 0.0125;  // standard deviation from which on a moment says which magnet it is
   double odd_sigmas = 3;       // of one scan: more contradicts the magnet that was there last
   double same_sigmas = 2;      // from a known magnet: within, it is that one
   double learnt_s = 10;        // tracked, until a new magnet counts as known

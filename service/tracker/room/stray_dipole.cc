@@ -176,19 +176,18 @@ double Innovation(const Matrix6& A, const Vector6& e, const Matrix6& P) noexcept
   return e.dot((A + A * P * A).ldlt().solve(e)) / kN;
 }
 
-// The sensor whose gain, if it is wrong, explains most: by how much it is, and what of the misfit that saves.  (33)
+// The sensor whose gain, if it is wrong, explains most, and what of the misfit that saves.  (33)
 struct WrongGain {
   int sensor = -1;
-  double error = 0, saved = 0;
+  double saved = 0;
 };
 
 WrongGain WorstGain(const StrayEvidence& said) noexcept {
   WrongGain worst;
   for (std::size_t i = 0; i < kSensors; ++i) {
     if (!(said.gain_information[i] > 0)) continue;
-    const double error = said.gain_gradient[i] / said.gain_information[i];
-    const double saved = error * said.gain_gradient[i];
-    if (saved > worst.saved) worst = {static_cast<int>(i), error, saved};
+    const double saved = said.gain_gradient[i] * said.gain_gradient[i] / said.gain_information[i];
+    if (saved > worst.saved) worst = {static_cast<int>(i), saved};
   }
   return worst;
 }
@@ -197,8 +196,7 @@ WrongGain WorstGain(const StrayEvidence& said) noexcept {
 double LeftOf(const StrayEvidence& said, double saved) noexcept { return (said.misfit - saved) / (kDof * said.scans); }
 
 bool Explains(const DipoleOptions& options, const StrayEvidence& said, const WrongGain& gain) noexcept {
-  return gain.saved > options.gain_saves && std::abs(gain.error) > options.gain_error &&
-         LeftOf(said, gain.saved) < options.gain_leaves;
+  return gain.saved > options.gain_saves && LeftOf(said, gain.saved) < options.gain_leaves;
 }
 
 void Begin(const DipoleOptions& options, double misfit, StrayDipole& dipole) noexcept {
@@ -266,16 +264,10 @@ void JudgeDipole(const DipoleOptions& options, const Model& model, const StrayEv
                  double systematic, StrayDipole& dipole) noexcept {
   const Vector6 p = ToVector(dipole.parameters);
   const bool started = std::holds_alternative<DipoleSteps>(dipole.stage);
-  double keep = options.keep;
-  Field field;
-  if (started) {
-    field = FieldAt(model, p);
-    const Matrix6 A = field.J.transpose() * (Information(cycle) * field.J) / cycle.scans;
-    const Vector6 e = field.J.transpose() * (Gradient(cycle) - Information(cycle) * field.x_T) / cycle.scans;
-    if (!(Innovation(A, e, Covariance(dipole)) < options.moves)) keep = options.keep_moving;
-  }
   StrayEvidence& lately = dipole.lately;
-  AddEvidence(keep, EvidenceShare(std::min(repeats, keep * lately.scans + cycle.scans), systematic), cycle, lately);
+  const double scans = options.keep * lately.scans + cycle.scans;
+  AddEvidence(options.keep, EvidenceShare(std::min(repeats, scans), systematic), cycle, lately);
+  const Field field = started ? FieldAt(model, p) : Field{};
   const double saved = started ? Saved(options, lately, field.x_T, p) : 0;
   const WrongGain gain = WorstGain(lately);
   const bool more_than_gain = saved > gain.saved + options.than_gain;

@@ -15,16 +15,15 @@ inline constexpr std::size_t kDipoleParameters = 6;  // position from the core's
 
 struct DipoleOptions {
   bool enabled = true;
-  double near_m = 0.12, far_m = 1.2;                // from the core's centre
-  double position_m = 0.5, moment_Am2 = 5;          // prior, rms each way
-  double moment_max_Am2 = 15;                       // three pens: a start with more is at the wrong place
-  double keep = 0.9, keep_moving = 0.4, moves = 2;  // of the evidence, per cycle; `moves`: innovation over the expected
+  double near_m = 0.12, far_m = 1.2;        // from the core's centre
+  double position_m = 0.5, moment_Am2 = 5;  // prior, rms each way
+  double moment_max_Am2 = 15;               // three pens: a start with more is at the wrong place
+  double keep = 0.9;                        // of the evidence, per cycle
   int places_a_scan = 8, steps_a_scan = 2, search_steps = 32;
   // Misfit: what a dipole must save, and may leave per degree of freedom. While it is followed: what ends it.
   double saves = 30, leaves = 2, ends = 2.5;
-  // The same for one sensor with a wrong gain, and its size; a dipole, which has five numbers more, must save so much
-  // more than that.
-  double gain_saves = 30, gain_leaves = 1.5, gain_error = 3e-3, than_gain = 10;
+  // The same for one sensor with a wrong gain; a dipole, which has five numbers more, must save so much more than that.
+  double gain_saves = 30, gain_leaves = 1.5, than_gain = 10;
   double other_T = 3e-7;  // part of its field that is not a dipole's
   // While it is followed. Its speed is learnt, as a share of these: above `faster` it moves, below `slower` it rests.
   double speed_m_s = 1, turn_1_s = 5;

@@ -91,7 +91,6 @@ void Renew(const StrayOptions& options, const Model& model, StrayField& stray) n
   const double wandered = stray.wander_1_s * options.cycle_scans * base::kTickPeriod_s;
   const double found = ShareOfPrior(model, AsVector(stray.mean_T).squaredNorm());
   Widen(model, std::max(wandered, found - stray.widened), stray);
-  if (stray.wander_1_s > options.moving_1_s) stray.places = 0;
   SetPoseCovariance(options, stray);
 }
 
@@ -165,7 +164,7 @@ bool StartFromDipole(const StrayOptions& options, const Model& model, const Stra
 
 void LoosenStray(const StrayOptions& options, const Model& model, StrayField& stray) noexcept {
   stray.places = 0;
-  if (ShareOfPrior(model, AsVector(stray.variance_T2).sum()) < options.lost_max) Widen(model, options.lost, stray);
+  if (ShareOfPrior(model, AsVector(stray.variance_T2).sum()) < 1) Widen(model, options.lost, stray);
   SetPoseCovariance(options, stray);
   Forget(stray);
 }

@@ -16,16 +16,16 @@ struct StrayOptions {
   bool enabled = true;
   int every_scans = 4;   // of which one is gathered ...
   int cycle_scans = 16;  // ... until the estimate is renewed
-  // Shares of K: unknown when a doubt begins; added when a scan fits no pose, and its maximum.
-  double start = 1e-4, lost = 0.02, lost_max = 1;
+  // Shares of K: unknown when a doubt begins; added when a scan fits no pose, until all of K is unknown.
+  double start = 1e-4, lost = 0.02;
   double wander_start_1_s = 1e-3, wander_min_1_s = 1e-6, wander_max_1_s = 4;  // change of K per second, learnt
   double wander_grows = 2, wander_shrinks = 0.8;                              // per cycle
   // Innovation relative to the expected one, which allows for model errors too: the field is steady; it moves; it has
   // moved further than was thought possible.
   double steady = 0.3, moves = 0.5, jumps = 1, jumps_max = 10;
-  // While it wanders faster than that, and until the pen has visited so many places so far apart, a pose's covariance
-  // is multiplied: at one place the field is known from K only, and K is an average over magnets.
-  double moving_1_s = 0.01, place_m = 0.02, few_places_factor = 9;
+  // Until the pen has visited so many places so far apart, a pose's covariance is multiplied: at one place the field is
+  // known from K only, and K is an average over magnets.
+  double place_m = 0.02, few_places_factor = 9;
   int places_min = 8;
   // The same of a magnet that was found together with the pen, or so soon after it; a place counts where it leaves no
   // more than that, per degree of freedom.
@@ -46,7 +46,7 @@ struct StrayField {
   bool inverted = false;    // `inverse_1_T2` is of this cycle
   int scan = 0;             // of the cycle
   int nothing_cycles = 0;   // in a row
-  int places = 0;           // of the pen since the field moved
+  int places = 0;           // of the pen since no pose was found, or a dipole was lost
   int places_to_prove = 0;  // that the pen must still visit, for a magnet found together with the pen
   base::Vec3 place_base_m;
   double wander_1_s = 0;  // of K

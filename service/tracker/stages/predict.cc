@@ -51,7 +51,7 @@ void PredictRoom(const Config& config, const base::HallScan& scan, State& state,
     FollowCore(config.drift, scan.coil_current_A, pen, room.drift);
   }
   predicted.wide = IsWideScan(config, state);
-  if (predicted.wide) PredictDriftTo(config.drift, scan.t_ns, scan.coil_current_A, pen, room.drift);
+  if (predicted.wide) PredictDrift(config.drift, scan.t_ns, pen, room.drift);
 }
 
 }  // namespace

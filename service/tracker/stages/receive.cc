@@ -12,7 +12,7 @@ void Start(const Config& config, const base::HallScan& scan, RoomState& room) no
   room.doubt.model_error = config.doubt.model_error_start;
   StartAway(config.away, scan.t_ns, room.away);
   StartMagnet(config.magnets, LearnsDrift(config), room.magnet);
-  if (LearnsDrift(config)) PredictDriftTo(config.drift, scan.t_ns, scan.coil_current_A, nullptr, room.drift);
+  if (LearnsDrift(config)) PredictDrift(config.drift, scan.t_ns, nullptr, room.drift);
 }
 
 // Leaves out a sensor that repeats the same reading before it becomes wrong.
