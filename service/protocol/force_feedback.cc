@@ -13,13 +13,14 @@ bool WithinBox(const std::array<double, 3>& v, double limit) noexcept {
 bool Between(double x, double low, double high) noexcept { return x >= low && x <= high; }
 
 const char* ConstraintProblem(const ForceConstraint& c) noexcept {
-  if (c.shape < ForceShape::kPoint || c.shape > ForceShape::kViscous) return "shape is not in 1..5";
+  const std::size_t shape = static_cast<std::uint32_t>(c.shape) - std::size_t{1};
+  if (shape >= kForceShapes.size()) return "shape is unknown";
   if (c.side > ForceSide::kInside) return "side is not in 0..2";
   if (!Between(c.stiffness_N_m, 0, kLargestStiffness_N_m)) return "stiffness_N_m is not in 0..1e6";
   if (!Between(c.damping_Ns_m, 0, kLargestDamping_Ns_m)) return "damping_Ns_m is not in 0..1e5";
   if (!Between(c.max_force_N, 0, kLargestForce_N)) return "max_force_N is not in 0..1e4";
   if (!Between(c.radius_m, 0, kFarthestConstraint_m)) return "radius_m is not in 0..1e4";
-  if (c.shape == ForceShape::kSphere && !(c.radius_m > 0)) return "a sphere without a radius";
+  if (kForceShapes[shape].needs_radius && !(c.radius_m > 0)) return "radius_m is 0 of a shape that needs one";
   if (!WithinBox(c.point_base_m, kFarthestConstraint_m)) return "point_base_m is beyond 1e4";
   const auto& d = c.direction_base;
   const double norm = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];

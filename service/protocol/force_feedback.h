@@ -38,6 +38,16 @@ struct ForceApply {
 };
 
 enum class ForceShape : std::uint32_t { kPoint = 1, kLine = 2, kPlane = 3, kSphere = 4, kViscous = 5 };
+struct ForceShapeRow {
+  ForceShape shape;
+  bool needs_radius = false;  // > 0
+};
+// In the order of their values, from 1 on.
+inline constexpr std::array kForceShapes{
+    ForceShapeRow{ForceShape::kPoint},   ForceShapeRow{ForceShape::kLine},
+    ForceShapeRow{ForceShape::kPlane},   ForceShapeRow{.shape = ForceShape::kSphere, .needs_radius = true},
+    ForceShapeRow{ForceShape::kViscous},
+};
 enum class ForceSide : std::uint32_t { kOn = 0, kOutside = 1, kInside = 2 };
 
 struct ForceConstraint {
@@ -46,7 +56,7 @@ struct ForceConstraint {
   double stiffness_N_m = 0;
   double damping_Ns_m = 0;
   double max_force_N = 0;
-  double radius_m = 0;  // sphere: > 0; line: free within this distance
+  double radius_m = 0;  // of a sphere; line: free within this distance
   std::array<double, 3> point_base_m{};
   std::array<double, 3> direction_base{0, 0, 1};  // unit: along the line, the plane's normal
   // Of the frame in which the shape stands still: of the point, and its rotation.

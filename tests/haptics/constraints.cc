@@ -1,11 +1,15 @@
 // Constraints over random shapes, places and motions: they give no energy, stay within max_force, and never jump.
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
 
+#include "service/base/eigen.h"
 #include "service/base/vec.h"
 #include "service/haptics/applied/constraint.h"
 
@@ -27,7 +31,7 @@ class Dice {
   }
   Constraint Shape() {
     Constraint c;
-    c.kind = static_cast<ConstraintKind>(1 + random_() % 5);
+    c.kind = static_cast<ConstraintKind>(1 + random_() % kConstraintKinds);
     c.side = static_cast<ConstraintSide>(random_() % 3);
     c.stiffness_N_m = c.kind == ConstraintKind::kViscous ? 0 : In(10, 2000);
     c.damping_Ns_m = In(0, 3);
@@ -139,6 +143,58 @@ Vec3 OnShape(const Constraint& c, const Vec3& x) {
   const Stretch stretch = StretchOf(held, x);
   const double beyond_m = c.kind == ConstraintKind::kLine ? stretch.length_m - c.radius_m : stretch.length_m;
   return x - beyond_m * stretch.outward;
+}
+
+Eigen::Matrix3d MatrixOf(const std::function<Vec3(const Vec3&)>& linear) {
+  Eigen::Matrix3d M;
+  M << base::ToEigen(linear({1, 0, 0})), base::ToEigen(linear({0, 1, 0})), base::ToEigen(linear({0, 0, 1}));
+  return M;
+}
+
+Eigen::Matrix3d Projection(const Subspace& on) {
+  return MatrixOf([&](const Vec3& v) { return Project(on, v); });
+}
+
+// Slightly beyond a shape that is not much curved: dF/dx = -K P, dF/dv = -b P, P the projection on `stiff`. Of one that
+// only pushes, b still fades in.
+TEST(Constraints, StiffSubspaceIsWhereForcesChange) {
+  Dice dice(7);
+  std::array<int, kConstraintKinds + 1> checked{};
+  for (int run = 0; run < 6000; ++run) {
+    Constraint c = dice.Shape();
+    c.max_force_N = 100;
+    if (c.radius_m > 0) c.radius_m = dice.In(0.02, 0.05);
+    const Vec3 x = OnShape(c, dice.Vector(0.06)) + 4e-4 * dice.Direction();
+    const Stretch stretch = StretchOf(c, x);
+    const bool viscous = c.stiffness_N_m == 0;
+    if (!viscous && stretch.length_m < 5e-5) continue;
+    const Eigen::Matrix3d P = Projection(stretch.stiff);
+    const Eigen::Matrix3d of_place = MatrixOf([&](const Vec3& e) {
+      constexpr double kStep_m = 1e-6;
+      return (0.5 / kStep_m) * (At(c, x + kStep_m * e, {}) - At(c, x - kStep_m * e, {}));
+    });
+    EXPECT_LE((of_place + c.stiffness_N_m * P).norm(), 0.05 * c.stiffness_N_m) << "kind " << static_cast<int>(c.kind);
+    const Eigen::Matrix3d of_velocity = MatrixOf([&](const Vec3& v) { return At(c, x, 1e-3 * v) - At(c, x, {}); });
+    const double damping = stretch.one_sided ? of_velocity.norm() : 1e-3 * c.damping_Ns_m;
+    EXPECT_LE((of_velocity + damping * P).norm(), 1e-9 + 1e-6 * damping) << "kind " << static_cast<int>(c.kind);
+    EXPECT_LE(of_velocity.norm(), 1e-3 * c.damping_Ns_m * std::sqrt(3.0) * (1 + 1e-9));
+    ++checked[static_cast<std::size_t>(c.kind)];
+  }
+  for (std::uint32_t kind = 1; kind <= kConstraintKinds; ++kind) EXPECT_GT(checked[kind], 100) << "kind " << kind;
+}
+
+TEST(Constraints, OverlapIsTheNormOfTheProductOfProjections) {
+  Dice dice(8);
+  for (int run = 0; run < 2000; ++run) {
+    const auto any = [&] {
+      const Constraint c = dice.Shape();
+      return StretchOf(c, dice.Vector(0.05)).stiff;
+    };
+    const Subspace a = any(), b = any();
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(Projection(a) * Projection(b));
+    EXPECT_NEAR(Overlap(a, b), svd.singularValues()[0], 1e-6);
+    EXPECT_EQ(Overlap(a, b), Overlap(b, a));
+  }
 }
 
 // |F(x + h) - F(x)| <= L |h| everywhere: also where a shape has no direction, and where it is just met.

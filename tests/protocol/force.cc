@@ -56,7 +56,7 @@ TEST(ForceMessages, RejectionNamesTheField) {
   set.count = kMaxForceConstraints + 1;
   EXPECT_NE(ReasonOf(set).find("count"), std::string::npos);
   ForceConstraint c;
-  c.shape = static_cast<ForceShape>(6);
+  c.shape = static_cast<ForceShape>(kForceShapes.size() + 1);
   EXPECT_NE(ReasonOf(One(c)).find("shape"), std::string::npos);
   c = {};
   c.stiffness_N_m = -1;

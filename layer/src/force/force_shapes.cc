@@ -1,6 +1,7 @@
 #include "layer/src/force/force_shapes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -46,33 +47,61 @@ bool ReadRadius(float radius, ForceConstraint& shape) noexcept {
   return NotNegative(radius);
 }
 
+bool ReadPointShape(const XrForceFeedbackConstraintBaseHeaderOMNIX1& header, ForceConstraint& shape) noexcept {
+  return ReadPoint(As<XrForceFeedbackConstraintPointOMNIX1>(header).position, shape);
+}
+
+bool ReadLine(const XrForceFeedbackConstraintBaseHeaderOMNIX1& header, ForceConstraint& shape) noexcept {
+  const auto& line = As<XrForceFeedbackConstraintLineOMNIX1>(header);
+  return ReadPoint(line.position, shape) && ReadDirection(line.direction, shape) && ReadRadius(line.radius, shape);
+}
+
+bool ReadPlane(const XrForceFeedbackConstraintBaseHeaderOMNIX1& header, ForceConstraint& shape) noexcept {
+  const auto& plane = As<XrForceFeedbackConstraintPlaneOMNIX1>(header);
+  return ReadPoint(plane.position, shape) && ReadDirection(plane.normal, shape) && ReadSide(plane.side, shape);
+}
+
+bool ReadSphere(const XrForceFeedbackConstraintBaseHeaderOMNIX1& header, ForceConstraint& shape) noexcept {
+  const auto& sphere = As<XrForceFeedbackConstraintSphereOMNIX1>(header);
+  return ReadPoint(sphere.position, shape) && ReadRadius(sphere.radius, shape) && sphere.radius > 0 &&
+         ReadSide(sphere.side, shape);
+}
+
+bool ReadViscous(const XrForceFeedbackConstraintBaseHeaderOMNIX1& header, ForceConstraint&) noexcept {
+  return header.stiffness == 0;
+}
+
+// The point of a shape's points that is nearest to the base's origin: its other points give the same shape.
+glm::dvec3 Itself(const glm::dvec3& p, const glm::dvec3&) noexcept { return p; }
+glm::dvec3 OfLine(const glm::dvec3& p, const glm::dvec3& d) noexcept { return p - glm::dot(p, d) * d; }
+glm::dvec3 OfPlane(const glm::dvec3& p, const glm::dvec3& d) noexcept { return glm::dot(p, d) * d; }
+
+struct ShapeRow {
+  int type;  // XrStructureType; some are the extension's own, in no enumeration
+  bool (*read)(const XrForceFeedbackConstraintBaseHeaderOMNIX1&, ForceConstraint&) noexcept;
+  glm::dvec3 (*nearest)(const glm::dvec3& point, const glm::dvec3& direction) noexcept;
+};
+// In the order of protocol::kForceShapes.
+constexpr std::array kShapes{
+    ShapeRow{XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_POINT_OMNIX1, ReadPointShape, Itself},
+    ShapeRow{XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_LINE_OMNIX1, ReadLine, OfLine},
+    ShapeRow{XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_PLANE_OMNIX1, ReadPlane, OfPlane},
+    ShapeRow{XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_SPHERE_OMNIX1, ReadSphere, Itself},
+    ShapeRow{XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_VISCOUS_OMNIX1, ReadViscous, Itself},
+};
+static_assert(kShapes.size() == protocol::kForceShapes.size());
+
 bool ReadShape(const XrForceFeedbackConstraintBaseHeaderOMNIX1& header, ForceConstraint& shape) noexcept {
-  switch (static_cast<int>(header.type)) {
-    case static_cast<int>(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_POINT_OMNIX1):
-      shape.shape = ForceShape::kPoint;
-      return ReadPoint(As<XrForceFeedbackConstraintPointOMNIX1>(header).position, shape);
-    case static_cast<int>(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_LINE_OMNIX1): {
-      const auto& line = As<XrForceFeedbackConstraintLineOMNIX1>(header);
-      shape.shape = ForceShape::kLine;
-      return ReadPoint(line.position, shape) && ReadDirection(line.direction, shape) && ReadRadius(line.radius, shape);
-    }
-    case static_cast<int>(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_PLANE_OMNIX1): {
-      const auto& plane = As<XrForceFeedbackConstraintPlaneOMNIX1>(header);
-      shape.shape = ForceShape::kPlane;
-      return ReadPoint(plane.position, shape) && ReadDirection(plane.normal, shape) && ReadSide(plane.side, shape);
-    }
-    case static_cast<int>(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_SPHERE_OMNIX1): {
-      const auto& sphere = As<XrForceFeedbackConstraintSphereOMNIX1>(header);
-      shape.shape = ForceShape::kSphere;
-      return ReadPoint(sphere.position, shape) && ReadRadius(sphere.radius, shape) && sphere.radius > 0 &&
-             ReadSide(sphere.side, shape);
-    }
-    case static_cast<int>(XR_TYPE_FORCE_FEEDBACK_CONSTRAINT_VISCOUS_OMNIX1):
-      shape.shape = ForceShape::kViscous;
-      return header.stiffness == 0;
-    default:
-      return false;
+  for (std::size_t i = 0; i < kShapes.size(); ++i) {
+    if (static_cast<int>(header.type) != kShapes[i].type) continue;
+    shape.shape = protocol::kForceShapes[i].shape;
+    return kShapes[i].read(header, shape);
   }
+  return false;
+}
+
+const ShapeRow& RowOf(ForceShape shape) noexcept {
+  return kShapes[static_cast<std::size_t>(shape) - static_cast<std::size_t>(protocol::kForceShapes[0].shape)];
 }
 
 bool Near(const std::array<double, 3>& a, const std::array<double, 3>& b) noexcept {
@@ -119,13 +148,11 @@ std::array<double, 3> Clamped(const glm::dvec3& v, double limit) noexcept {
   return out;
 }
 
-// v = v_S + w x R p. A line or a plane is given by its point nearest to the base; its other points give the same shape.
+// v = v_S + w x R p
 protocol::ForceConstraint InBase(const protocol::ForceConstraint& shape, const Motion& X_BS) noexcept {
   protocol::ForceConstraint out = shape;
   const glm::dvec3 d = glm::normalize(X_BS.X.q * VecOf(shape.direction_base));
-  glm::dvec3 p = X_BS.X.p + X_BS.X.q * VecOf(shape.point_base_m);
-  if (shape.shape == ForceShape::kPlane) p = glm::dot(p, d) * d;
-  if (shape.shape == ForceShape::kLine) p -= glm::dot(p, d) * d;
+  const glm::dvec3 p = RowOf(shape.shape).nearest(X_BS.X.p + X_BS.X.q * VecOf(shape.point_base_m), d);
   out.direction_base = ToArray(d);
   out.point_base_m = Clamped(p, protocol::kFarthestConstraint_m);
   out.velocity_base_m_s = Clamped(X_BS.v + glm::cross(X_BS.w, p - X_BS.X.p), protocol::kFastestConstraint_m_s);

@@ -10,6 +10,7 @@ namespace omni::daemon {
 namespace {
 
 static_assert(protocol::kMaxForceConstraints == haptics::kMaxConstraints);
+static_assert(protocol::kForceShapes.size() == haptics::kConstraintKinds);
 
 // A message from the future counts as sent now; an old one has lost its remaining time.
 std::int64_t SentAt_ns(std::int64_t t_ns, std::int64_t now_ns) {

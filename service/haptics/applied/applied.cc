@@ -68,9 +68,8 @@ struct Springs {
 };
 
 double BoundTo(const StiffnessBound& given, const Spring& spring) noexcept {
-  const bool rank_one = spring.shape.kind == ConstraintKind::kPlane || spring.shape.kind == ConstraintKind::kSphere ||
-                        spring.shape.radius_m > 0;
-  return rank_one ? StiffnessAlong(given, spring.stretch.outward) : given.stiffness_N_m;
+  const bool one_direction = spring.stretch.stiff.shape == Subspace::Shape::kAlong;
+  return one_direction ? StiffnessAlong(given, spring.stretch.outward) : given.stiffness_N_m;
 }
 
 Springs ConstraintSprings(const AppliedCommand& command, const AppliedInput& input,
@@ -102,12 +101,12 @@ double ShareOf(const Springs& springs, const Output* contacts) noexcept {
     double own = 0, taken = 0;
     for (std::uint32_t j = 0; j < springs.count; ++j) {
       const Spring& b = springs.of[j];
-      if (b.load > 0) own += b.load * (i == j ? 1 : Overlap(a.shape, a.stretch, b.shape, b.stretch));
+      if (b.load > 0) own += b.load * (i == j ? 1 : Overlap(a.stretch.stiff, b.stretch.stiff));
     }
     const int touched = contacts == nullptr ? 0 : std::clamp(contacts->contact_count, 0, kMaxContacts);
     for (int k = 0; k < touched; ++k) {
       const Contact& contact = contacts->contacts[static_cast<std::size_t>(k)];
-      taken += contact.load * Overlap(a.shape, a.stretch, contact.normal_base);
+      taken += contact.load * Overlap(a.stretch.stiff, {Subspace::Shape::kAlong, contact.normal_base});
     }
     const double room = std::max(kContactLeaves, 1 - taken);
     if (own > room) share = std::min(share, room / own);

@@ -11,7 +11,9 @@ constexpr double kSmallest_m = 1e-9;     // a shorter vector has no direction
 constexpr double kDampedFrom_m = 5e-4;   // damping fades in over this stretch, so that reaching the shape does not kick
 constexpr double kAdvanceMax_s = 0.050;  // a frame without updates stands still from then on
 
-Stretch Along(const Vec3& outward, double length_m) noexcept { return {.length_m = length_m, .outward = outward}; }
+Stretch Along(const Vec3& outward, double length_m) noexcept {
+  return {.length_m = length_m, .outward = outward, .stiff = {Subspace::Shape::kAlong, outward}};
+}
 
 // A signed distance s along `ray`: held on the surface, or pushed when beyond it.
 Stretch Signed(ConstraintSide side, const Vec3& ray, double s_m) noexcept {
@@ -25,33 +27,31 @@ Stretch Signed(ConstraintSide side, const Vec3& ray, double s_m) noexcept {
 
 Stretch OfPoint(const Vec3& r) noexcept {
   const double length_m = Norm(r);
-  return Along(length_m > kSmallest_m ? (1 / length_m) * r : Vec3{}, length_m);
+  return {.length_m = length_m, .outward = length_m > kSmallest_m ? (1 / length_m) * r : Vec3{}};
 }
 
 Stretch OfLine(const Constraint& c, const Vec3& r) noexcept {
   const Vec3 across = r - Dot(r, c.direction_base) * c.direction_base;
   Stretch stretch = OfPoint(across);
-  if (!(c.radius_m > 0)) return stretch;
-  stretch.length_m = std::max(0.0, stretch.length_m - c.radius_m);
-  stretch.one_sided = true;
+  if (c.radius_m > 0) {
+    stretch = Along(stretch.outward, std::max(0.0, stretch.length_m - c.radius_m));
+    stretch.one_sided = true;
+  } else {
+    stretch.stiff = {Subspace::Shape::kAcross, c.direction_base};
+  }
   return stretch;
 }
 
 // Within half of the radius the spring fades out towards the centre   (14.4)
 Stretch OfSphere(const Constraint& c, const Vec3& r) noexcept {
   const double distance_m = Norm(r);
-  if (!(distance_m > kSmallest_m)) return {.one_sided = c.side != ConstraintSide::kOn, .conservative = false};
+  if (!(distance_m > kSmallest_m)) {
+    return {.one_sided = c.side != ConstraintSide::kOn, .conservative = false, .stiff = {Subspace::Shape::kAlong, {}}};
+  }
   Stretch stretch = Signed(c.side, (1 / distance_m) * r, distance_m - c.radius_m);
   stretch.weight = std::min(1.0, 2 * distance_m / c.radius_m);
   stretch.conservative = stretch.weight == 1 || stretch.length_m == 0;
   return stretch;
-}
-
-// The part of v along which this constraint damps.
-Vec3 DampedPart(const Constraint& c, const Stretch& stretch, const Vec3& v) noexcept {
-  if (c.kind == ConstraintKind::kPoint || c.kind == ConstraintKind::kViscous) return v;
-  if (c.kind == ConstraintKind::kLine && !stretch.one_sided) return v - Dot(v, c.direction_base) * c.direction_base;
-  return Dot(v, stretch.outward) * stretch.outward;
 }
 
 Vec3 AtMost(double most_N, const Vec3& force_N) noexcept {
@@ -59,10 +59,6 @@ Vec3 AtMost(double most_N, const Vec3& force_N) noexcept {
   if (!(size_N < 1e12)) return {};
   return size_N > most_N ? (most_N / size_N) * force_N : force_N;
 }
-
-// True: stiff in the whole space, or across a direction; else along `outward` alone.
-bool IsStiffInSpace(const Constraint& c) noexcept { return c.kind == ConstraintKind::kPoint; }
-bool IsStiffAcross(const Constraint& c) noexcept { return c.kind == ConstraintKind::kLine && !(c.radius_m > 0); }
 
 }  // namespace
 
@@ -75,6 +71,28 @@ Constraint Moved(const Constraint& constraint, double after_s) noexcept {
   if (Norm(turned) > 0.5) moved.direction_base = Normalized(turned);
   if (after_s > kAdvanceMax_s) moved.velocity_base_m_s = moved.angular_velocity_base_rad_s = {};
   return moved;
+}
+
+Vec3 Project(const Subspace& on, const Vec3& v) noexcept {
+  const Vec3 along = Dot(v, on.axis) * on.axis;
+  switch (on.shape) {
+    case Subspace::Shape::kSpace:
+      return v;
+    case Subspace::Shape::kAcross:
+      return v - along;
+    case Subspace::Shape::kAlong:
+      break;
+  }
+  return along;
+}
+
+// Two planes have a direction in common; a plane and a direction, its part in the plane.
+double Overlap(const Subspace& a, const Subspace& b) noexcept {
+  const bool one_along = a.shape == Subspace::Shape::kAlong || b.shape == Subspace::Shape::kAlong;
+  if (a.shape == Subspace::Shape::kSpace || b.shape == Subspace::Shape::kSpace || !one_along) return 1;
+  const double along = Dot(a.axis, b.axis);
+  if (a.shape == b.shape) return std::min(1.0, std::abs(along));
+  return std::sqrt(std::max(0.0, 1 - along * along));
 }
 
 Stretch StretchOf(const Constraint& c, const Vec3& device_point_base_m) noexcept {
@@ -99,7 +117,7 @@ Vec3 ForceOf(const Constraint& c, const Stretch& stretch, double stiffness_N_m, 
              const Vec3& device_point_base_m, const Vec3& velocity_base_m_s) noexcept {
   const Vec3 r = device_point_base_m - c.point_base_m;
   const Vec3 shape_m_s = c.velocity_base_m_s + Cross(c.angular_velocity_base_rad_s, r);
-  const Vec3 v = DampedPart(c, stretch, velocity_base_m_s - shape_m_s);
+  const Vec3 v = Project(stretch.stiff, velocity_base_m_s - shape_m_s);
   const double grown = stretch.one_sided ? std::min(1.0, stretch.length_m / kDampedFrom_m) : 1.0;
   const double b = stretch.weight * grown * damping_Ns_m;
   const double spring_N = stretch.weight * stiffness_N_m * stretch.length_m;
@@ -113,19 +131,6 @@ double StoredIn_J(const Constraint& c, const Stretch& stretch, double stiffness_
   if (!(stiffness_N_m > 0)) return 0;
   const double s_m = std::min(stretch.length_m, c.max_force_N / stiffness_N_m);
   return 0.5 * stiffness_N_m * s_m * s_m + c.max_force_N * (stretch.length_m - s_m);
-}
-
-double Overlap(const Constraint& a, const Stretch& at_a, const Vec3& normal_base) noexcept {
-  if (IsStiffInSpace(a)) return 1;
-  if (!IsStiffAcross(a)) return std::min(1.0, std::abs(Dot(at_a.outward, normal_base)));
-  const double along = Dot(a.direction_base, normal_base);
-  return std::sqrt(std::max(0.0, 1 - along * along));
-}
-
-double Overlap(const Constraint& a, const Stretch& at_a, const Constraint& b, const Stretch& at_b) noexcept {
-  if (IsStiffInSpace(a) || IsStiffInSpace(b)) return 1;
-  if (!IsStiffAcross(b)) return Overlap(a, at_a, at_b.outward);
-  return IsStiffAcross(a) ? 1 : Overlap(b, at_b, at_a.outward);
 }
 
 }  // namespace omni::haptics

@@ -10,6 +10,7 @@
 namespace omni::haptics {
 
 enum class ConstraintKind : std::uint8_t { kPoint = 1, kLine = 2, kPlane = 3, kSphere = 4, kViscous = 5 };
+inline constexpr std::uint32_t kConstraintKinds = 5;  // their values: from 1 to this
 
 // Of a plane (outside: where its normal points to) or a sphere. Outside and inside only push, and only when the point
 // is on the wrong side.
@@ -33,6 +34,19 @@ static_assert(std::is_trivially_copyable_v<Constraint>);
 // The constraint `after_s` later.
 Constraint Moved(const Constraint& constraint, double after_s) noexcept;
 
+// The directions in which a spring is stiff, to first order.
+struct Subspace {
+  enum class Shape : std::uint8_t { kSpace, kAcross, kAlong };  // all; those across the axis; the axis alone
+  Shape shape = Shape::kSpace;
+  base::Vec3 axis;  // unit, unless kSpace; zero: kAlong without a direction
+};
+
+// P v, P the projection on it.
+base::Vec3 Project(const Subspace& on, const base::Vec3& v) noexcept;
+
+// |P_a P_b|, in [0, 1]: 0 if orthogonal.
+double Overlap(const Subspace& a, const Subspace& b) noexcept;
+
 // A device point relative to a shape.
 struct Stretch {
   bool one_sided = false;    // it never pulls
@@ -40,7 +54,9 @@ struct Stretch {
   double length_m = 0;       // of the spring, >= 0; 0: it does not act
   double weight = 1;         // of spring and damper: fades where the shape has no direction
   base::Vec3 outward;        // unit: the spring pulls against it; zero: it has no direction
+  Subspace stiff;            // of spring and damper; contains `outward`
 };
+// All that depends on the kind: the rest follows from the stretch.
 Stretch StretchOf(const Constraint& constraint, const base::Vec3& device_point_base_m) noexcept;
 
 // Its force on the hand with this stiffness and damping: at most max_force_N, finite.
@@ -49,10 +65,5 @@ base::Vec3 ForceOf(const Constraint& constraint, const Stretch& stretch, double 
 
 // Energy in the spring.
 double StoredIn_J(const Constraint& constraint, const Stretch& stretch, double stiffness_N_m) noexcept;
-
-// |P_a P_b| of the directions in which two springs are stiff, in [0, 1]: 0 if orthogonal.
-double Overlap(const Constraint& a, const Stretch& at_a, const Constraint& b, const Stretch& at_b) noexcept;
-// With a spring along a unit normal.
-double Overlap(const Constraint& a, const Stretch& at_a, const base::Vec3& normal_base) noexcept;
 
 }  // namespace omni::haptics

@@ -44,7 +44,7 @@ TEST(ForceShapes, TransformToBasePreservesDistanceAndMotion) {
   Dice dice;
   for (int run = 0; run < 2000; ++run) {
     ForceConstraint local;
-    local.shape = static_cast<ForceShape>(1 + run % 4);
+    local.shape = protocol::kForceShapes[static_cast<std::size_t>(run) % protocol::kForceShapes.size()].shape;
     const glm::dvec3 p = dice.Vector(0.5);
     const glm::dvec3 d = glm::normalize(dice.Vector(1));
     local.point_base_m = {p.x, p.y, p.z};

@@ -126,7 +126,7 @@ class HostileCommands {
     applied.constraint_count = static_cast<std::uint32_t>(random_.Bits() % 4);
     for (std::uint32_t i = 0; i < applied.constraint_count; ++i) {
       haptics::Constraint& c = applied.constraints[i];
-      c.kind = static_cast<haptics::ConstraintKind>(1 + random_.Bits() % 5);
+      c.kind = static_cast<haptics::ConstraintKind>(1 + random_.Bits() % haptics::kConstraintKinds);
       c.side = static_cast<haptics::ConstraintSide>(random_.Bits() % 3);
       c.stiffness_N_m = random_.Uniform(0, 5000);
       c.damping_Ns_m = random_.Uniform(0, 20);
