@@ -40,12 +40,12 @@ struct RhoZ {
 };
 
 // The cylinder is a sheet of current Br/mu0 per length around its mantle, so a shift along z takes one loop away at the
-// far end and adds one at the near: dB/dz = Br/mu0 [ B_loop(z + b) - B_loop(z - b) ].
-RhoZ AlongAxis(const base::MagnetGeometry& magnet, const Seen& at) noexcept {
+// far end and adds one at the near: dBz/dz = Br/mu0 [ B_loop(z + b) - B_loop(z - b) ].   docs/theory/magnetics.md (17)
+double AxialDerivative_T_m(const base::MagnetGeometry& magnet, const Seen& at) noexcept {
   const double sheet_A_m = magnet.remanence_T / kMu0;
   const LoopField near = FieldOfLoop(magnet.radius_m, at.rho, at.z + magnet.half_height_m);
   const LoopField far = FieldOfLoop(magnet.radius_m, at.rho, at.z - magnet.half_height_m);
-  return {sheet_A_m * (near.rho_T_A - far.rho_T_A), sheet_A_m * (near.z_T_A - far.z_T_A)};
+  return sheet_A_m * (near.z_T_A - far.z_T_A);
 }
 
 // B0 = Br/pi, z+- = z +- b, s+- = sqrt(z+-^2 + (rho + R)^2), g = (R - rho)/(R + rho), k+-^2 = (z+-^2 + (R -
@@ -93,20 +93,8 @@ double BulirschCel(double k, double p, double c, double s) noexcept {
 Vector3d CylinderField(const base::MagnetGeometry& magnet, const Vector3d& u, const Vector3d& d) noexcept {
   const Seen at = SeenFrom(magnet, u, d);
   RhoZ B = InCylinderCoordinates(magnet, at);
-  if (at.near_axis) B.rho = -0.5 * at.rho * AlongAxis(magnet, at).z;
+  if (at.near_axis) B.rho = -0.5 * at.rho * AxialDerivative_T_m(magnet, at);
   return B.rho * at.n_rho + B.z * u;
-}
-
-// In cylinder coordinates a field without swirl, div and curl has
-//   dBz/drho = dBrho/dz,   dBrho/drho = -dBz/dz - Brho/rho,   and Brho/rho across; on the axis Brho/rho = -1/2 dBz/dz.
-Matrix3d CylinderGradient(const base::MagnetGeometry& magnet, const Vector3d& u, const Vector3d& d) noexcept {
-  const Seen at = SeenFrom(magnet, u, d);
-  const RhoZ along = AlongAxis(magnet, at);
-  const double hoop = at.near_axis ? -0.5 * along.z : InCylinderCoordinates(magnet, at).rho / at.rho;
-  const Matrix3d across = Matrix3d::Identity() - u * u.transpose() - at.n_rho * at.n_rho.transpose();
-  const Matrix3d un = u * at.n_rho.transpose();
-  return along.z * u * u.transpose() + along.rho * (un + un.transpose()) -
-         (along.z + hoop) * at.n_rho * at.n_rho.transpose() + hoop * across;
 }
 
 }  // namespace omni::magnetics

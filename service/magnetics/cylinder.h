@@ -18,8 +18,4 @@ double BulirschCel(double k, double p, double c, double s) noexcept;
 Eigen::Vector3d CylinderField(const base::MagnetGeometry& magnet, const Eigen::Vector3d& u,
                               const Eigen::Vector3d& d) noexcept;
 
-// dB/dd, outside the magnet. docs/theory/magnetics.md (17)
-Eigen::Matrix3d CylinderGradient(const base::MagnetGeometry& magnet, const Eigen::Vector3d& u,
-                                 const Eigen::Vector3d& d) noexcept;
-
 }  // namespace omni::magnetics

@@ -33,11 +33,6 @@ DiscMagnet MakeDiscMagnet(const base::MagnetGeometry& geometry) noexcept;
 // Shape and size of `geometry`, but a measured moment.
 DiscMagnet MakeDiscMagnet(const base::MagnetGeometry& geometry, double moment_Am2) noexcept;
 
-inline Eigen::Vector3d PointOffset(const MagnetPoint& point, const Eigen::Vector3d& e1, const Eigen::Vector3d& e2,
-                                   const Eigen::Vector3d& u) noexcept {
-  return point.ring_1_m * e1 + point.ring_2_m * e2 + point.axial_m * u;
-}
-
 // Two unit vectors that complete u to a right-handed orthonormal frame (e1, e2, u), continuous in u but on a small
 // circle around +z, where no pen points.
 // [Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6(1), 2017]

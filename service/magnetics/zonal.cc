@@ -77,14 +77,4 @@ Vector3d ZonalPotentialAxisDerivative(std::span<const double> q, const Vector3d&
   return SumZonal(q, r, u.dot(d) / r).p1 * d;
 }
 
-Vector3d ZonalGradientTimes(std::span<const double> q, const Vector3d& u, const Vector3d& d,
-                            const Vector3d& w) noexcept {
-  const double r = d.norm();
-  const Vector3d n = d / r;
-  const ZonalSums s = SumZonal(q, r, u.dot(n));
-  const double uw = u.dot(w);
-  const double nw = n.dot(w);
-  return (-1 / r) * ((s.p2 * uw - s.beta_d * nw) * u + (s.curvature * nw - s.beta_d * uw) * n - s.beta * w);
-}
-
 }  // namespace omni::magnetics

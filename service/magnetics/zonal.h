@@ -37,8 +37,4 @@ double ZonalPotential(std::span<const double> q, const Eigen::Vector3d& u, const
 Eigen::Vector3d ZonalPotentialAxisDerivative(std::span<const double> q, const Eigen::Vector3d& u,
                                              const Eigen::Vector3d& d) noexcept;
 
-// ZonalGradient(q, u, d) * w without building the matrix.
-Eigen::Vector3d ZonalGradientTimes(std::span<const double> q, const Eigen::Vector3d& u, const Eigen::Vector3d& d,
-                                   const Eigen::Vector3d& w) noexcept;
-
 }  // namespace omni::magnetics

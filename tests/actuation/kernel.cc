@@ -9,10 +9,10 @@
 
 #include "service/actuation/force_map.h"
 #include "service/base/eigen.h"
-#include "service/magnetics/core_image.h"
 #include "service/magnetics/disc_magnet.h"
 #include "service/magnetics/zonal.h"
 #include "service/sim/fields/truth_model.h"
+#include "tests/support/core_image.h"
 #include "tests/support/numeric.h"
 #include "tests/support/rig/nominal_device.h"
 
@@ -104,13 +104,13 @@ TEST(ActuationKernel, MatchesTheMagneticsFormulas) {
     for (int source = 0; source < kForcePoints; ++source) {
       const Vector3d m = t.moment_Am2[source] * at.u;
       const auto image =
-          magnetics::ImageInCore(m, points[static_cast<std::size_t>(source)], t.core_radius_m, t.core_kappa);
+          support::ImageInCore(m, points[static_cast<std::size_t>(source)], t.core_radius_m, t.core_kappa);
       for (int s = 0; s < kForcePoints; ++s) {
         const Vector3d& p = points[static_cast<std::size_t>(s)];
         const Vector3d felt = t.moment_Am2[s] * at.u;
-        const Vector3d force = magnetics::CoreImageGradient(image, p) * felt;
+        const Vector3d force = support::CoreImageGradient(image, p) * felt;
         pull += force;
-        twist += felt.cross(magnetics::CoreImageField(image, p)) + (p - at.p).cross(force);
+        twist += felt.cross(support::CoreImageField(image, p)) + (p - at.p).cross(force);
       }
     }
     const ForceAtPose mapped = Evaluate(map, at);

@@ -17,6 +17,7 @@
 #include "service/loop/surface_snapshot.h"
 #include "tests/bench/arguments.h"
 #include "tests/bench/printed_rows.h"
+#include "tests/support/soft_step.h"
 #include "tests/support/touch/sculpt_body.h"
 
 namespace omni::haptics {
@@ -91,7 +92,7 @@ void TimeSoft(int n, Timing& timing) {
   state->haptics.soft[0].object = 0;
   const SoftContact contact{.touching = true, .point_base_m = {0, 0, 0.03}, .normal = {0, 0, 1}, .depth_m = 0.003};
   for (int tick = 0; tick < 50; ++tick) {
-    (void)StepSoftContact(view, contact, 0.005, 1e-3, state->haptics.soft[0].body);
+    (void)support::StepSoftContact(view, contact, 0.005, 1e-3, state->haptics.soft[0].body);
   }
   auto latest = std::make_unique<base::Latest<loop::SurfaceSnapshot>>();
   timing.Row("tick: snapshot, one soft body touched", 0, 0, [&](int) {

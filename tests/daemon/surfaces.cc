@@ -20,6 +20,7 @@
 #include "tests/scene/files.h"
 #include "tests/support/process/temp_folder.h"
 #include "tests/support/silent_device.h"
+#include "tests/support/soft_step.h"
 #include "tests/support/touch/sculpt_body.h"
 
 namespace omni::daemon {
@@ -156,7 +157,8 @@ TEST(SurfacePoller, SoftBodyThatBecomesReadyAppearsInANewMemory) {
   const haptics::SoftContact contact{
       .touching = true, .point_base_m = {0, 0, 0.03}, .normal = {0, 0, 1}, .depth_m = 0.003};
   for (int tick = 0; tick < 50; ++tick) {
-    (void)StepSoftContact(live->soft_body(0)->view(), contact, haptics::kTip_m, 1e-3, drawing.snapshot.soft[0].body);
+    (void)support::StepSoftContact(live->soft_body(0)->view(), contact, haptics::kTip_m, 1e-3,
+                                   drawing.snapshot.soft[0].body);
   }
   EXPECT_EQ(drawing.Poll(0), SurfaceRead::kVertices);
   EXPECT_GT(drawing.copy.frame.largest_displacement_m, 1e-4);

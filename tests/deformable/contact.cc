@@ -5,6 +5,7 @@
 
 #include "service/loop/probe/alloc_probe.h"
 #include "tests/deformable/scenario.h"
+#include "tests/support/soft_step.h"
 
 namespace omni::haptics {
 namespace test_deformable_contact {
@@ -18,7 +19,7 @@ SoftContact OnBall(const Vec3& direction, double depth_m) {
 
 double LongTermForce(const SoftContact& contact) {
   SoftContactState state{};
-  return StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state).elastic_N;
+  return support::StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state).elastic_N;
 }
 
 TEST(SoftContactModel, DentAndForceAreInverse) {
@@ -81,14 +82,14 @@ TEST(SoftContacts, ForceGrowsWithDepthAndSlopeIsItsDerivative) {
     double last_N = 0;
     for (double depth = 1e-4; depth < 6e-3; depth += 1e-4) {
       SoftContactState state{};
-      const SoftForce f = StepSoftContact(SoftBall().view(), OnBall(at, depth), kTip_m, 1e-3, state);
+      const SoftForce f = support::StepSoftContact(SoftBall().view(), OnBall(at, depth), kTip_m, 1e-3, state);
       EXPECT_GT(f.elastic_N, last_N);
       last_N = f.elastic_N;
       const double h = 1e-6;
       SoftContactState next = state;
-      const SoftForce more = StepSoftContact(SoftBall().view(), OnBall(at, depth + h), kTip_m, 0, next);
+      const SoftForce more = support::StepSoftContact(SoftBall().view(), OnBall(at, depth + h), kTip_m, 0, next);
       SoftContactState same = state;
-      const SoftForce still = StepSoftContact(SoftBall().view(), OnBall(at, depth), kTip_m, 0, same);
+      const SoftForce still = support::StepSoftContact(SoftBall().view(), OnBall(at, depth), kTip_m, 0, same);
       EXPECT_NEAR((more.normal_N - still.normal_N) / h / f.slope_N_m, 1, 0.02);
     }
   }
@@ -98,26 +99,28 @@ TEST(SoftContacts, SeriesSpringTakesItsShareOfDepth) {
   SoftContact contact = OnBall({0, 0, 1}, 0.003);
   contact.series_compliance_m_N = 1 / 300.0;
   SoftContactState state{};
-  const SoftForce f = StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state);
+  const SoftForce f = support::StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state);
   EXPECT_LT(f.slope_N_m, 300 * (1 + 1e-9));
   // The spring carries all of the force; the rest of the depth, with the same relaxing part, gives the same force.
   SoftContactState without{};
   contact.depth_m -= f.normal_N / 300;
   contact.series_compliance_m_N = 0;
-  const SoftForce bare = StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, without);
+  const SoftForce bare = support::StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, without);
   EXPECT_NEAR(bare.normal_N / f.normal_N, 1, 1e-5);
 }
 
 TEST(SoftContacts, RelaxesToTheLongTermForce) {
   SoftContactState state{};
   const SoftContact contact = OnBall({0, 0, 1}, 0.002);
-  const double first_N = StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state).normal_N;
+  const double first_N = support::StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state).normal_N;
   SoftForce last;
-  for (int tick = 0; tick < 100; ++tick) last = StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state);
+  for (int tick = 0; tick < 100; ++tick)
+    last = support::StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state);
   const double share = SoftBall().view().header().relaxing_share;
   EXPECT_NEAR(first_N / last.elastic_N, 1 + share, 0.01);
   EXPECT_NEAR(last.normal_N / last.elastic_N, 1 + share * std::exp(-1.01), 0.01);
-  for (int tick = 0; tick < 2000; ++tick) last = StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state);
+  for (int tick = 0; tick < 2000; ++tick)
+    last = support::StepSoftContact(SoftBall().view(), contact, kTip_m, 1e-3, state);
   EXPECT_NEAR(last.normal_N / last.elastic_N, 1, 1e-6);
 }
 
@@ -174,14 +177,14 @@ TEST(SoftContacts, InvalidContactsGiveNoForce) {
   bad[6].touching = false;
   bad[7].point_base_m.z = 1e30;
   for (const SoftContact& contact : bad) {
-    StepSoftContact(body, good, kTip_m, 1e-3, state);
-    EXPECT_EQ(StepSoftContact(body, contact, kTip_m, 1e-3, state).normal_N, 0);
+    support::StepSoftContact(body, good, kTip_m, 1e-3, state);
+    EXPECT_EQ(support::StepSoftContact(body, contact, kTip_m, 1e-3, state).normal_N, 0);
   }
   for (const double dt : {kNan, -1.0, 1e9}) {
-    EXPECT_TRUE(std::isfinite(StepSoftContact(body, good, kTip_m, dt, state).normal_N));
+    EXPECT_TRUE(std::isfinite(support::StepSoftContact(body, good, kTip_m, dt, state).normal_N));
   }
-  EXPECT_EQ(StepSoftContact(body, good, kNan, 1e-3, state).normal_N, 0);
-  EXPECT_TRUE(std::isfinite(StepSoftContact(body, OnBall({0, 0, 1}, 100), kTip_m, 1e-3, state).normal_N));
+  EXPECT_EQ(support::StepSoftContact(body, good, kNan, 1e-3, state).normal_N, 0);
+  EXPECT_TRUE(std::isfinite(support::StepSoftContact(body, OnBall({0, 0, 1}, 100), kTip_m, 1e-3, state).normal_N));
 }
 
 TEST(SoftContacts, NothingIsAllocatedInATick) {
@@ -223,7 +226,7 @@ TEST(SoftSurface, DisplacementFollowsTheBall) {
   const SoftBodyView body = SoftBall().view();
   SoftContactState state{};
   const SoftContact contact = OnBall({0.2, -0.1, 1}, 0.002);
-  const SoftForce force = StepSoftContact(body, contact, kTip_m, 1e-3, state);
+  const SoftForce force = support::StepSoftContact(body, contact, kTip_m, 1e-3, state);
   const Vec3 under = SoftDisplacement(body, state, contact.point_base_m);
   EXPECT_NEAR(-Dot(under, contact.normal) / contact.depth_m, 1, 0.01);
   const Vec3 carried = CarriedDisplacement(body, state, contact.point_base_m);

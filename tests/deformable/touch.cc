@@ -6,6 +6,7 @@
 #include "service/loop/probe/alloc_probe.h"
 #include "tests/deformable/scenario.h"
 #include "tests/support/same_bits.h"
+#include "tests/support/soft_step.h"
 
 namespace omni::haptics {
 namespace test_deformable_touch {
@@ -39,8 +40,8 @@ double ModelForce(const Vec3& direction, double depth_m, double stiffness_N_m, d
   SoftContactState state{};
   const Vec3 n = Normalized(direction);
   const SoftContact contact{true, kRadius_m * n, n, depth_m, 1 / stiffness_N_m};
-  for (int k = 0; k < 3000; ++k) StepSoftContact(SoftBall().view(), contact, tip_m, 1e-3, state);
-  return StepSoftContact(SoftBall().view(), contact, tip_m, 1e-3, state).normal_N;
+  for (int k = 0; k < 3000; ++k) support::StepSoftContact(SoftBall().view(), contact, tip_m, 1e-3, state);
+  return support::StepSoftContact(SoftBall().view(), contact, tip_m, 1e-3, state).normal_N;
 }
 
 TEST(SoftTouch, RestForceMatchesBodyInSeriesWithContactSpring) {

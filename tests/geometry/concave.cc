@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/haptics/oracle.h"
+#include "tests/support/surface_queries.h"
 
 namespace omni::haptics {
 namespace test_geometry_concave {
@@ -39,7 +40,7 @@ TEST(ConcaveEdge, NoMissedOrFalseContactWhileCrossing) {
         return Vec3{r * std::cos(u + turn), r * std::sin(u + turn), z};
       };
       // Facets sag by up to 14 um between the corners of the edge: the foot on the mesh is the edge.
-      const NearestResult bottom = NearestPoint(surface, scene.objects()[0], at(0.026, 0.006, 0));
+      const NearestResult bottom = support::NearestPoint(surface, scene.objects()[0], at(0.026, 0.006, 0));
       const Vec3 edge = bottom.closest.point;
       pen.MoveTo(at(0.026, 0.012, 0));
       pen.MoveTo(edge + Vec3{0, 0, 1e-5});
@@ -47,7 +48,7 @@ TEST(ConcaveEdge, NoMissedOrFalseContactWhileCrossing) {
       pen.MoveTo(edge + random.InBox(k % 3 == 0 ? 1e-8 : 1e-6));
       const Vec3 tip = edge + at(-1e-4 * side, -1e-4, 0);
       pen.MoveTo(tip);
-      const NearestResult nearest = NearestPoint(surface, scene.objects()[0], tip);
+      const NearestResult nearest = support::NearestPoint(surface, scene.objects()[0], tip);
       const bool is_inside = SideOf(surface, nearest, tip) < 0;
       inside += is_inside;
       missed += is_inside && !(pen.output.tip_normal_force_N > 0);

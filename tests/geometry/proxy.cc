@@ -4,6 +4,7 @@
 #include "service/haptics/contact/proxy.h"
 #include "service/haptics/scene.h"
 #include "tests/haptics/oracle.h"
+#include "tests/support/surface_queries.h"
 
 namespace omni::haptics {
 namespace test_geometry_proxy {
@@ -57,7 +58,7 @@ TEST(Proxy, FindsTheNearestFacetOfASmoothFace) {
     const Surface surface(scene, {});
     Random random(22);
     Vec3 tip{0, 0, 0.018};
-    std::uint32_t triangle = NearestPoint(surface, scene.objects()[0], tip).triangle;
+    std::uint32_t triangle = support::NearestPoint(surface, scene.objects()[0], tip).triangle;
     int turned = 0;
     for (int k = 0; k < 3000; ++k) {
       tip = (random.Uniform(0.015, 0.0185) / Norm(tip)) * (tip + random.InBox(1e-3));
@@ -78,7 +79,7 @@ TEST(Proxy, StaysOnItsFaceAtACrease) {
   for (const int n : {1, 3, 24}) {
     const Scene scene = Built(SceneOf(Block(n, {0.02, 0.02, 0.02})));
     const Surface surface(scene, {});
-    std::uint32_t triangle = NearestPoint(surface, scene.objects()[0], {0.003, 0.001, 0.0199}).triangle;
+    std::uint32_t triangle = support::NearestPoint(surface, scene.objects()[0], {0.003, 0.001, 0.0199}).triangle;
     for (double x = 0.003; x < 0.01999; x += 1e-4) {
       const Vec3 tip{x, 0.001, 0.0185};
       const ProxyPoint proxy = Descend(surface, triangle, tip);

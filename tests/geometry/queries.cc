@@ -7,6 +7,7 @@
 #include "service/haptics/geometry/topology.h"
 #include "service/haptics/scene.h"
 #include "tests/haptics/oracle.h"
+#include "tests/support/surface_queries.h"
 
 namespace omni::haptics {
 namespace test_geometry_queries {
@@ -32,14 +33,15 @@ TEST(Queries, NearestPointMatchesBruteForce) {
     const Surface surface(scene, {});
     for (int k = 0; k < 400; ++k) {
       const Vec3 p = random.InBox(k % 4 == 0 ? 0.2 : 0.03);
-      const NearestResult fast = NearestPoint(surface, scene.objects()[0], p);
+      const NearestResult fast = support::NearestPoint(surface, scene.objects()[0], p);
       const NearestResult brute = BruteNearest(scene, surface, p);
       ASSERT_EQ(fast.closest.distance_squared, brute.closest.distance_squared) << shape.name;
       const double within = 1.0001 * std::sqrt(brute.closest.distance_squared);
-      ASSERT_EQ(NearestPoint(surface, scene.objects()[0], p, within).closest.distance_squared,
+      ASSERT_EQ(support::NearestPoint(surface, scene.objects()[0], p, within).closest.distance_squared,
                 brute.closest.distance_squared);
       ASSERT_EQ(
-          NearestPoint(surface, scene.objects()[0], p, 0.9999 * std::sqrt(brute.closest.distance_squared)).triangle,
+          support::NearestPoint(surface, scene.objects()[0], p, 0.9999 * std::sqrt(brute.closest.distance_squared))
+              .triangle,
           kNoIndex);
     }
   }
@@ -60,7 +62,7 @@ TEST(Queries, FirstCrossingMatchesBruteForce) {
         const TriangleHit hit = IntersectTriangle(surface.TriangleCorners(t), a, b);
         if (hit.hit && hit.front && hit.t < brute.t) brute = {t, true, hit.t};
       }
-      const CrossingResult fast = FirstCrossing(surface, scene.objects()[0], a, b, nullptr, 0);
+      const CrossingResult fast = support::FirstCrossing(surface, scene.objects()[0], a, b);
       ASSERT_EQ(fast.t, brute.t) << shape.name;
       hits += fast.triangle != kNoIndex;
     }
@@ -76,7 +78,7 @@ TEST(Queries, SignMatchesTheWindingNumber) {
     const Surface surface(scene, {});
     for (int k = 0; k < 300; ++k) {
       const Vec3 p = random.InBox(0.025);
-      const bool by_sign = SideOf(surface, NearestPoint(surface, scene.objects()[0], p), p) < 0;
+      const bool by_sign = SideOf(surface, support::NearestPoint(surface, scene.objects()[0], p), p) < 0;
       ASSERT_EQ(by_sign, WindingNumber(scene, surface, p) > 0.5) << shape.name;
       inside += by_sign;
     }
@@ -108,7 +110,7 @@ TEST(Queries, PseudonormalOfACornerDoesNotDependOnTriangles) {
   ASSERT_EQ(block.triangles.size(), 14U);
   const Scene scene = Built(SceneOf(block));
   const Surface surface(scene, {});
-  const NearestResult nearest = NearestPoint(surface, scene.objects()[0], {0.03, 0.03, 0.03});
+  const NearestResult nearest = support::NearestPoint(surface, scene.objects()[0], {0.03, 0.03, 0.03});
   ASSERT_EQ(nearest.closest.feature, Feature::kVertex);
   const Vec3 normal = Pseudonormal(surface, nearest.triangle, nearest.closest.feature, nearest.closest.index);
   EXPECT_LT(Norm(normal - base::Normalized({1, 1, 1})), 1e-12);
@@ -125,7 +127,7 @@ TEST(Queries, SegmentsThroughEdgesAndVerticesHit) {
     const Vec3 on_edge = k % 3 == 0 ? c[0] : c[0] + random.Uniform(0, 1) * (c[1] - c[0]);
     const Vec3 outside = 2.0 * on_edge + random.InBox(0.005);
     const Vec3 inside = on_edge + 0.4 * (on_edge - outside);
-    ASSERT_NE(FirstCrossing(surface, scene.objects()[0], outside, inside, nullptr, 0).triangle, kNoIndex) << k;
+    ASSERT_NE(support::FirstCrossing(surface, scene.objects()[0], outside, inside).triangle, kNoIndex) << k;
   }
 }
 

@@ -5,6 +5,7 @@
 #include "service/haptics/contact/shading.h"
 #include "service/haptics/scene.h"
 #include "tests/haptics/oracle.h"
+#include "tests/support/surface_queries.h"
 
 namespace omni::haptics {
 namespace test_geometry_shading {
@@ -182,7 +183,7 @@ TEST(Shading, EnergyGainedOnClosedPathsIsSmall) {
       const Vec3 d = std::cos(cone) * axis + std::sin(cone) * (std::cos(a) * u + std::sin(a) * v);
       return (0.0195 - depth_m) * d;
     };
-    std::uint32_t triangle = NearestPoint(surface, scene.objects()[0], tip_at(0)).triangle;
+    std::uint32_t triangle = support::NearestPoint(surface, scene.objects()[0], tip_at(0)).triangle;
     double plain_J = 0, shaded_J = 0;  // for K = 1 N/m
     for (int k = 0; k < 2 * kSteps; ++k) {
       const Vec3 tip = tip_at(k), step = tip_at(k + 1) - tip;

@@ -5,6 +5,7 @@
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene.h"
 #include "tests/deformable/scenario.h"
+#include "tests/support/surface_queries.h"
 #include "tests/support/touch/ball_bodies.h"
 #include "tests/support/touch/ball_judge.h"
 
@@ -70,7 +71,7 @@ TEST(BallInStep, NoForceWhileTheBallCatchesUpThroughFreeSpace) {
     if (contact == nullptr) continue;
     in_flight += contact->in_flight;
     const double distance_m =
-        std::sqrt(NearestPoint(surface, scene.objects()[0], contact->held_m).closest.distance_squared);
+        std::sqrt(support::NearestPoint(surface, scene.objects()[0], contact->held_m).closest.distance_squared);
     ASSERT_GT(distance_m / kRadius_m - 1, kNearest) << k;
     ASSERT_EQ(pen.output.contact_count, contact->in_flight ? 0 : 1) << k;
     ASSERT_TRUE(contact->in_flight || distance_m / kRadius_m - 1 < kBallMargin) << k;

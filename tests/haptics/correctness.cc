@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/haptics/oracle.h"
+#include "tests/support/surface_queries.h"
 
 namespace omni::haptics {
 namespace test_haptics_correctness {
@@ -86,7 +87,7 @@ TEST(Correctness, NoMissedOrFalseContactsOnClosedMeshes) {
       for (int tick = 0; tick < 2500; ++tick) {
         const Vec3 tip = path.Next();
         pen.MoveTo(tip);
-        const NearestResult nearest = NearestPoint(surface, scene.objects()[0], tip);
+        const NearestResult nearest = support::NearestPoint(surface, scene.objects()[0], tip);
         const double distance_m = std::sqrt(nearest.closest.distance_squared) * SideOf(surface, nearest, tip);
         if (tick % 50 == 0) {
           ASSERT_EQ(distance_m<0, WindingNumber(scene, surface, tip)> 0.5) << "the oracle itself";
@@ -120,7 +121,7 @@ TEST(Correctness, ForceDirectionMatchesTheNearestPoint) {
   for (int tick = 0; tick < 3000; ++tick) {
     const Vec3 tip = path.Next();
     pen.MoveTo(tip);
-    const NearestResult nearest = NearestPoint(surface, scene.objects()[0], tip);
+    const NearestResult nearest = support::NearestPoint(surface, scene.objects()[0], tip);
     if (SideOf(surface, nearest, tip) > 0 || nearest.closest.distance_squared < 2.5e-9) continue;
     ASSERT_EQ(pen.output.contact_count, 1);
     const double cosine = Dot(pen.output.contacts[0].normal_base, Normalized(nearest.closest.point - tip));

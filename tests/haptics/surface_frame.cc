@@ -9,6 +9,7 @@
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene.h"
 #include "tests/deformable/scenario.h"
+#include "tests/support/soft_step.h"
 #include "tests/support/touch/sculpt_body.h"
 
 namespace omni::haptics {
@@ -126,7 +127,7 @@ TEST(SurfaceFrame, SoftBodyVerticesMatchSoftDisplacement) {
   state.soft[2].object = 0;
   const SoftContact contact{.touching = true, .point_base_m = {0, 0, 0.03}, .normal = {0, 0, 1}, .depth_m = 0.003};
   const SoftBodyView view = live->soft_body(0)->view();
-  for (int tick = 0; tick < 50; ++tick) (void)StepSoftContact(view, contact, kTip_m, 1e-3, state.soft[2].body);
+  for (int tick = 0; tick < 50; ++tick) (void)support::StepSoftContact(view, contact, kTip_m, 1e-3, state.soft[2].body);
   RestObject rest = RestOf(scene, 0);
   std::vector<DrawnVertex> drawn;
   const double largest_m = DisplacedVertices(scene, {state.soft, state.regions}, rest, drawn);

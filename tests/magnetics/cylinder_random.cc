@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "service/magnetics/core_image.h"
 #include "service/magnetics/cylinder.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/disc_magnet.h"
@@ -33,7 +32,7 @@ base::MagnetGeometry RandomMagnet(Rng& rng) {
 
 double Reach(const base::MagnetGeometry& magnet) { return std::hypot(magnet.radius_m, magnet.half_height_m); }
 
-TEST(MagneticsCylinderLaws, GradientMatchesFiniteDifferencesAndIsSourceFree) {
+TEST(MagneticsCylinderLaws, FieldIsFreeOfSourcesAndCurrents) {
   Rng rng(101);
   for (int i = 0; i < 1000; ++i) {
     const base::MagnetGeometry magnet = RandomMagnet(rng);
@@ -44,10 +43,9 @@ TEST(MagneticsCylinderLaws, GradientMatchesFiniteDifferencesAndIsSourceFree) {
                             : i % 10 == 1 ? (u + 1e-5 * RandomUnit(rng)).normalized()
                                           : RandomUnit(rng));
     const auto field = [&](const Vector3d& x) { return CylinderField(magnet, u, x); };
-    const Matrix3d G = CylinderGradient(magnet, u, d);
-    EXPECT_LT(RelativeError(G, NumericJacobian(field, d, 1e-3 * (r - 0.9 * Reach(magnet)))), 1e-6);
-    EXPECT_LT(std::abs(G.trace()), 1e-12 * G.norm());
-    EXPECT_LT((G - G.transpose()).norm(), 1e-12 * G.norm());
+    const Matrix3d G = NumericJacobian(field, d, 1e-3 * (r - 0.9 * Reach(magnet)));
+    EXPECT_LT(std::abs(G.trace()), 1e-6 * G.norm());
+    EXPECT_LT((G - G.transpose()).norm(), 1e-6 * G.norm());
   }
 }
 
@@ -83,22 +81,6 @@ TEST(MagneticsCylinderLaws, MultipoleErrorShrinksWithEachOrder) {
   }
 }
 
-TEST(MagneticsCylinderLaws, ForceOnADipoleIsNegativeEnergyGradient) {
-  Rng rng(104);
-  const base::MagnetGeometry magnet = support::NominalDevice().magnet;
-  for (int i = 0; i < 200; ++i) {
-    const Vector3d u = RandomUnit(rng), m = RandomUnit(rng), d = Uniform(rng, 0.02, 0.1) * RandomUnit(rng);
-    const auto energy = [&](const Vector3d& x) { return -m.dot(CylinderField(magnet, u, x)); };
-    Vector3d force;
-    const double h = 1e-5;
-    for (int k = 0; k < 3; ++k) {
-      const Vector3d e = h * Vector3d::Unit(k);
-      force[k] = -(8 * (energy(d + e) - energy(d - e)) - (energy(d + 2 * e) - energy(d - 2 * e))) / (12 * h);
-    }
-    EXPECT_LT(RelativeError(CylinderGradient(magnet, u, d) * m, force), 1e-6);
-  }
-}
-
 TEST(MagneticsCylinderLaws, DipoleAndCylinderForcesAreOpposite) {
   // A dipole in the cylinder's field feels the opposite of what the cylinder's charges feel in the dipole's.
   Rng rng(105);
@@ -110,7 +92,9 @@ TEST(MagneticsCylinderLaws, DipoleAndCylinderForcesAreOpposite) {
     for (const auto& charge : charges) {
       on_cylinder += charge.q * DipoleField(m, support::ChargePosition(charge, Vector3d::Zero(), u) - d);
     }
-    EXPECT_LT(RelativeError(CylinderGradient(magnet, u, d) * m, -on_cylinder), 3e-4);
+    const auto field = [&](const Vector3d& x) { return CylinderField(magnet, u, x); };
+    const Matrix3d G = NumericJacobian(field, d, 1e-3 * d.norm());
+    EXPECT_LT(RelativeError(G * m, -on_cylinder), 3e-4);
   }
 }
 

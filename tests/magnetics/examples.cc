@@ -6,11 +6,11 @@
 
 #include "service/base/eigen.h"
 #include "service/magnetics/coil.h"
-#include "service/magnetics/core_image.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/disc_magnet.h"
 #include "service/magnetics/loop_field.h"
 #include "service/magnetics/zonal.h"
+#include "tests/support/core_image.h"
 #include "tests/support/rig/nominal_device.h"
 
 namespace omni::magnetics {
@@ -108,7 +108,7 @@ TEST(MagneticsExamples, FieldOfFullCurrentStaysWithinTheSensorRange) {
 }
 
 TEST(MagneticsExamples, RadialDipoleHasItsImageOnTheSameRadius) {
-  const CoreImage image = ImageInCore({0, 0, 2}, {0, 0, 0.05}, 0.015, 1.0);
+  const support::CoreImage image = support::ImageInCore({0, 0, 2}, {0, 0, 0.05}, 0.015, 1.0);
   EXPECT_NEAR(image.position.z(), 0.015 * 0.015 / 0.05, 1e-15);
   EXPECT_NEAR(image.moment.z(), std::pow(0.3, 3) * 2, 1e-15);  // same sense: attraction
   EXPECT_NEAR(image.charge, 0.015 * 2 / (0.05 * 0.05), 1e-12);

@@ -5,11 +5,11 @@
 
 #include "service/base/eigen.h"
 #include "service/magnetics/coil.h"
-#include "service/magnetics/core_image.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/disc_magnet.h"
 #include "service/magnetics/loop_field.h"
 #include "service/magnetics/zonal.h"
+#include "tests/support/core_image.h"
 #include "tests/support/numeric.h"
 #include "tests/support/rig/magnet_truth.h"
 #include "tests/support/rig/nominal_device.h"
@@ -19,6 +19,10 @@ namespace test_magnetics_fields {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using support::CoreImage;
+using support::CoreImageField;
+using support::CoreImageGradient;
+using support::ImageInCore;
 using support::NumericJacobian;
 using support::RandomUnit;
 using support::RelativeError;
@@ -52,7 +56,6 @@ TEST(MagneticsFields, GradientsMatchFiniteDifferencesAndAreSourceFree) {
     ExpectSourceFree(DipoleGradient(m, d));
     ExpectSourceFree(ChargeGradient(3, d));
     ExpectSourceFree(ZonalGradient(q, u, d));
-    EXPECT_LT(RelativeError(ZonalGradientTimes(q, u, d, m), ZonalGradient(q, u, d) * m), 1e-12);
     EXPECT_LT(RelativeError(DipoleMatrix(d) * m, DipoleField(m, d)), 1e-13);
   }
 }
@@ -218,7 +221,8 @@ TEST(MagneticsFields, RingOfPointsReproducesTheDiscOctupole) {
     const TangentBasis e = MakeTangentBasis(u);
     Vector3d ring = Vector3d::Zero();
     for (const MagnetPoint& point : magnet.points) {
-      ring += DipoleField(point.share * magnet.moment_Am2 * u, d - PointOffset(point, e.e1, e.e2, u));
+      ring += DipoleField(point.share * magnet.moment_Am2 * u,
+                          d - (point.ring_1_m * e.e1 + point.ring_2_m * e.e2 + point.axial_m * u));
     }
     EXPECT_LT(RelativeError(ring, ZonalField(magnet.zonal, u, d)), 1e-3);
     EXPECT_GT(RelativeError(ring, DipoleField(magnet.moment_Am2 * u, d)), 5e-3);  // a bare dipole would not do

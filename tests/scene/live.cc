@@ -8,6 +8,7 @@
 #include "tests/haptics/scenario.h"
 #include "tests/support/process/temp_folder.h"
 #include "tests/support/same_bits.h"
+#include "tests/support/touch/fresh_scene.h"
 
 namespace omni::scene {
 namespace test_scene_live {
@@ -77,13 +78,13 @@ TEST(LiveScene, UntaggedSceneHasNoLiveParts) {
 TEST(LiveScene, FreshCopyStartsInTheInitialState) {
   Scene scene = Built(JellyAndClay());
   ASSERT_TRUE(LoadLive(scene, nullptr, kTets).lines.empty());
-  const Scene copy = FreshCopy(scene);
+  const Scene copy = omni::test::FreshCopy(scene);
   const std::vector<Vec3> first_N = FormedBy(scene);
   EXPECT_GT(GenerationOf(scene), 2U) << "nothing was formed";
   EXPECT_EQ(GenerationOf(copy), 1U);
   const auto body = scene.live()->soft_body(0)->bytes(), copied = copy.live()->soft_body(0)->bytes();
   EXPECT_TRUE(std::equal(body.begin(), body.end(), copied.begin(), copied.end()));
-  for (const Scene& fresh : {copy, FreshCopy(scene)}) {
+  for (const Scene& fresh : {copy, omni::test::FreshCopy(scene)}) {
     const std::vector<Vec3> again_N = FormedBy(fresh);
     ASSERT_EQ(again_N.size(), first_N.size());
     for (std::size_t k = 0; k < first_N.size(); ++k) ASSERT_TRUE(support::SameBits(first_N[k], again_N[k])) << k;

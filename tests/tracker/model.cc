@@ -3,13 +3,13 @@
 
 #include <Eigen/Cholesky>
 
-#include "service/magnetics/core_image.h"
 #include "service/magnetics/disc_magnet.h"
 #include "service/magnetics/nominal.h"
 #include "service/magnetics/zonal.h"
 #include "service/tracker/kernel/linearise.h"
 #include "service/tracker/kernel/measurement.h"
 #include "service/tracker/tracker.h"
+#include "tests/support/core_image.h"
 #include "tests/support/rig/magnet_truth.h"
 #include "tests/support/rig/nominal_device.h"
 #include "tests/support/rig/tool_scan.h"
@@ -81,8 +81,8 @@ void ExpectImagesOfDipoles(Rung rung, double tolerance) {
       for (int k = -2; k <= 2; ++k) {
         const Vector3d at = pose.position_base_m + k * kStep_m * pose.axis_base;
         const double moment = moments[static_cast<std::size_t>(std::abs(k))];
-        B += magnetics::CoreImageField(
-            magnetics::ImageInCore(moment * pose.axis_base, at, device.core_radius_m, device.core_kappa), x);
+        B += support::CoreImageField(
+            support::ImageInCore(moment * pose.axis_base, at, device.core_radius_m, device.core_kappa), x);
       }
       expected.segment<3>(3 * s) = base::ToEigen(sensor.orientation_base_sensor).conjugate() * B;
     }

@@ -97,6 +97,12 @@ TEST(Walls, FirstTouchMatchesSmallSteps) {
   EXPECT_GT(seen, 0.9 * touches) << "hardly any touch is one that steps do not see";
 }
 
+// Kinetic energy per mass, of the motion and of the turn, m^2/s^2.
+double EnergyPerMass(const VehicleInput& car, const VehicleState& state) {
+  const double turns_1_s2 = state.yaw_rate_rad_s * state.yaw_rate_rad_s;
+  return 0.5 * (SquaredNorm(state.velocity_base_m_s) + GyrationSquared_m2(car) * turns_1_s2);
+}
+
 TEST(Walls, CarDoesNotPassThroughOrGainEnergy) {
   Random random(7);
   std::uint32_t hits = 0;

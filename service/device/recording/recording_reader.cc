@@ -62,12 +62,6 @@ base::Result<std::unique_ptr<RecordingReader>> RecordingReader::Open(const std::
   return reader;
 }
 
-void RecordingReader::Rewind() noexcept {
-  error_ = lseek(file_.get(), static_cast<off_t>(kRecordingHeaderSize), SEEK_SET) < 0 ? errno : 0;
-  begin_ = end_ = taken_ = 0;
-  offset_ = kRecordingHeaderSize;
-}
-
 // Reads more bytes after the unread ones. False: there are none.
 bool RecordingReader::Fill() noexcept {
   std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);

@@ -33,8 +33,6 @@ class RecordingReader {
   RecordStatus Next(RecordView& view) noexcept;
   // Byte of the file at which the last Next started.
   std::uint64_t offset() const noexcept { return offset_; }
-  // Back to the first record.
-  void Rewind() noexcept;
   // Error message: what is wrong at offset(), and what to do. Empty for kRecord and kOver.
   std::string Explain(RecordStatus status) const;
 

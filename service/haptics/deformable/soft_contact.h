@@ -36,14 +36,6 @@ struct SoftForce {
 void StepSoftContacts(const SoftBodyView& body, std::span<const SoftContact> contacts, double ball_radius_m,
                       double dt_s, SoftContactState& state, std::span<SoftForce> forces) noexcept;
 
-// One ball.
-inline SoftForce StepSoftContact(const SoftBodyView& body, const SoftContact& contact, double ball_radius_m,
-                                 double dt_s, SoftContactState& state) noexcept {
-  SoftForce force;
-  StepSoftContacts(body, {&contact, 1}, ball_radius_m, dt_s, state, {&force, 1});
-  return force;
-}
-
 // How far the body carries this point of its surface, without the dents right under the balls.
 Vec3 CarriedDisplacement(const SoftBodyView& body, const SoftContactState& state, const Vec3& point_base_m,
                          std::uint32_t hint = kNoSoftTriangle) noexcept;

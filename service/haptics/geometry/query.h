@@ -57,18 +57,6 @@ extern template NearestResult NearestFaceInTree(const Surface&, std::uint32_t, c
 extern template CrossingResult CrossingInTree(const Surface&, std::uint32_t, const Vec3&, const Vec3&, bool,
                                               const Skipped&) noexcept;
 
-inline NearestResult NearestPoint(const Surface& surface, const Object& object, const Vec3& p,
-                                  double max_distance_m = std::numeric_limits<double>::infinity(),
-                                  std::uint32_t known = kNoIndex) noexcept {
-  return NearestInTree(surface, object.root, p, max_distance_m, known);
-}
-
-// One-sided objects are entered from the front only, double-sided ones from both sides.
-inline CrossingResult FirstCrossing(const Surface& surface, const Object& object, const Vec3& start, const Vec3& end,
-                                    const std::uint32_t* skip, int skip_count) noexcept {
-  return CrossingInTree(surface, object.root, start, end, (object.flags & kDoubleSided) != 0, {skip, skip_count});
-}
-
 // Distance from `p` to the object's box (0 inside): a lower bound of the distance to its surface.
 double BoxDistance(const Object& object, const Vec3& p) noexcept;
 

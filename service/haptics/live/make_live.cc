@@ -176,18 +176,6 @@ LivePlan MakeLive(Scene& scene) {
   return plan;
 }
 
-Scene FreshCopy(const Scene& scene) {
-  Scene fresh = scene;
-  if (scene.live() == nullptr || scene.live()->sculpt_session_count() == 0) return fresh;
-  fresh.SetLive(nullptr);
-  for (const std::uint32_t object : MakeLive(fresh).soft) {
-    if (const SoftBody* body = scene.live()->soft_body(object)) {
-      fresh.live()->SetSoftBody(object, std::make_unique<const SoftBody>(*body));
-    }
-  }
-  return fresh;
-}
-
 std::uint64_t MostSoftBytes(const SoftBodyOptions& options) {
   const std::uint64_t n = options.lattice.max_surface_vertices;
   return n * n * sizeof(Float3) + n * (n + 1) / 2 * sizeof(float);

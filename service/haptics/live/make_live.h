@@ -53,10 +53,6 @@ void AddSculptSessions(const Scene& scene, const LivePlan& plan, LiveParts& live
 // left to the caller, who sets them later (LiveParts::SetSoftBody). `scene` is not in the tick yet.
 LivePlan MakeLive(Scene& scene);
 
-// The scene as it was before it was sculpted: new sculpt sessions, the same soft bodies. A scene without them shares
-// its live parts with the copy.
-Scene FreshCopy(const Scene& scene);
-
 // Largest memory of the tables between a soft body's nodes, bytes; its skin adds 16 per vertex.
 std::uint64_t MostSoftBytes(const SoftBodyOptions& options);
 // Approximate memory of new sculpt sessions for plan.sculpted, bytes.

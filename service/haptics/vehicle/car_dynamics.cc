@@ -121,11 +121,6 @@ double GyrationSquared_m2(const VehicleInput& car) noexcept {
   return car.inertia * car.front_share * (1 - car.front_share) * car.wheelbase_m * car.wheelbase_m;
 }
 
-double EnergyPerMass(const VehicleInput& car, const VehicleState& state) noexcept {
-  return 0.5 *
-         (SquaredNorm(state.velocity_base_m_s) + GyrationSquared_m2(car) * state.yaw_rate_rad_s * state.yaw_rate_rad_s);
-}
-
 void Accelerate(const VehicleInput& car, const Thumbstick& stick, double dt_s, VehicleState& state) noexcept {
   if (!(dt_s > 0)) return;
   const int steps = std::max(1, static_cast<int>(std::ceil(dt_s / kLongestStep_s - 1e-9)));

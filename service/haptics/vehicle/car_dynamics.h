@@ -19,8 +19,7 @@ double BrushTyre(double slip) noexcept;
 // and then reverses, +x steers right.
 void Accelerate(const VehicleInput& car, const Thumbstick& stick, double dt_s, VehicleState& state) noexcept;
 
-// Kinetic energy per mass, of the motion and of the turn, m^2/s^2. The radius of gyration is k^2 = inertia a b.
-double EnergyPerMass(const VehicleInput& car, const VehicleState& state) noexcept;
+// k^2 = inertia a b
 double GyrationSquared_m2(const VehicleInput& car) noexcept;
 
 }  // namespace omni::haptics

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 namespace omni::sim {
@@ -104,13 +103,6 @@ Vec3 CoreMemory::moment_Am2() const noexcept {
   if (!eddies_) return moment;
   for (const Pole& pole : poles_) moment += pole.weight * (pole.lagged_Am2 - induced_Am2_);
   return moment;
-}
-
-std::array<double, 2> CoreMemory::EddyResponse(double frequency_Hz) const noexcept {
-  std::complex<double> h = 1;
-  const std::complex<double> s(0, 2 * std::numbers::pi * frequency_Hz);
-  for (const Pole& pole : poles_) h += pole.weight * (1.0 / (1.0 + s * pole.time_s) - 1.0);
-  return {h.real(), h.imag()};
 }
 
 Environment::Environment(const base::TruthEffects& effects, Random& random) : effects_(effects) {

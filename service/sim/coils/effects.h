@@ -38,9 +38,6 @@ class CoreMemory {
 
   Vec3 moment_Am2() const noexcept;
 
-  // The moments' ratio H at a frequency as the poles realise it: {real, imaginary}.
-  std::array<double, 2> EddyResponse(double frequency_Hz) const noexcept;
-
  private:
   // Play operators [Bergqvist 1997]: friction of three sizes, whose mean is the greatest remanence.
   static constexpr std::array<double, 3> kPlay{0.5, 1.0, 1.5};

@@ -4,6 +4,7 @@
 #include "service/haptics/scene.h"
 #include "tests/bench/collision/engine.h"
 #include "tests/haptics/scenario.h"
+#include "tests/support/surface_queries.h"
 
 namespace omni::collision {
 
@@ -19,7 +20,8 @@ class ClosestEngine final : public Engine {
   BuildCost Build(const Body& /*body*/) override { return cost_; }
   void Start(const Vec3& /*tip*/) override { last_ = kNoIndex; }
   double Tick(const Vec3& tip) override {
-    const NearestResult found = NearestPoint(surface_, scene_.objects()[0], tip, 1e3, warm_ ? last_ : kNoIndex);
+    const NearestResult found =
+        support::NearestPoint(surface_, scene_.objects()[0], tip, 1e3, warm_ ? last_ : kNoIndex);
     last_ = found.triangle;
     return std::sqrt(found.closest.distance_squared);
   }
@@ -87,7 +89,7 @@ class ContactEngine final : public Engine {
 
  private:
   void LookAround(const Surface& surface, const Vec3& tip) {
-    const NearestResult found = NearestPoint(surface, scene_.objects()[0], tip, 1e3);
+    const NearestResult found = support::NearestPoint(surface, scene_.objects()[0], tip, 1e3);
     state_.far_origin_base_m = tip;
     state_.far_distance_m = std::max(0.0, std::sqrt(found.closest.distance_squared) - 2e-6);
   }

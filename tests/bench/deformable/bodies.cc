@@ -8,6 +8,7 @@
 
 #include "service/haptics/deformable/soft_contact.h"
 #include "tests/bench/deformable/off_axis.h"
+#include "tests/support/soft_step.h"
 
 namespace omni::bench {
 namespace {
@@ -93,7 +94,7 @@ double ForceAt(const haptics::SoftBody& soft, const AxisBody& body, const Place&
   const double slope = body.TopSlope(r);
   const haptics::Vec3 normal = base::Normalized({-slope * c, -slope * s, 1});
   haptics::SoftContactState state{};
-  return haptics::StepSoftContact(soft.view(), {true, {r * c, r * s, body.Top(r)}, normal, depth_m, 0}, kBall_m, 1e-3,
+  return support::StepSoftContact(soft.view(), {true, {r * c, r * s, body.Top(r)}, normal, depth_m, 0}, kBall_m, 1e-3,
                                   state)
       .elastic_N;
 }

@@ -31,6 +31,7 @@
 #include "tests/bench/harness/room_conditions.h"
 #include "tests/bench/tracking/pressed_box.h"
 #include "tests/support/rig/trace.h"
+#include "tests/support/touch/fresh_scene.h"
 
 namespace omni::bench {
 namespace {
@@ -228,7 +229,7 @@ class BaseInRooms {
       refused.refused = 1;
       return refused;
     }
-    const haptics::Scene scene = haptics::FreshCopy(played.scene);
+    const haptics::Scene scene = test::FreshCopy(played.scene);
     PressJudged(device_, **config->second, RoomOf(kRoom), seed_, played.hand, run_s, scene, judge);
     return judge.Finish({});
   }

@@ -13,6 +13,7 @@
 #include "service/sim/twin/twin.h"
 #include "service/tools/calibrate/calibrate_kept.h"
 #include "service/tools/scene/scene_source.h"
+#include "tests/support/touch/fresh_scene.h"
 
 namespace omni::test {
 
@@ -30,7 +31,7 @@ base::Result<std::vector<base::HallScan>> RecordScans(const loop::TickConfig& co
   if (!hand.ok()) return base::Error{hand.error()};
   const auto twin = sim::MakeVirtualTwin(config::DefaultDevice(), {.seed = seed, .script = *hand, .truth = truth},
                                          hand->duration_s());
-  const haptics::Scene fresh = haptics::FreshCopy(scene);
+  const haptics::Scene fresh = test::FreshCopy(scene);
   std::vector<base::HallScan> scans;
   daemon::RunVirtual(config, *twin, fresh, {},
                      [&](const base::HallScan& scan, const loop::TickOutput&) { scans.push_back(scan); });

@@ -8,6 +8,7 @@
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/geometry/topology.h"
 #include "tests/haptics/oracle.h"
+#include "tests/support/surface_queries.h"
 
 namespace omni::haptics {
 
@@ -194,7 +195,7 @@ class SlidingHand {
     heading_ = Normalized(heading_ + random_.InBox(0.05));
     const double step_m = rests_ ? 0 : step_m_;
     const Vec3 along = Normalized(heading_ - Dot(heading_, normal_) * normal_);
-    const NearestResult next = NearestPoint(surface_, object_, foot_ + step_m * (along - 0.5 * normal_));
+    const NearestResult next = support::NearestPoint(surface_, object_, foot_ + step_m * (along - 0.5 * normal_));
     foot_ = next.closest.point;
     normal_ = FaceNormal(surface_, next.triangle);
   }

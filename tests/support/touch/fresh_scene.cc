@@ -4,6 +4,18 @@
 
 namespace omni::test {
 
+haptics::Scene FreshCopy(const haptics::Scene& scene) {
+  haptics::Scene fresh = scene;
+  if (scene.live() == nullptr || scene.live()->sculpt_session_count() == 0) return fresh;
+  fresh.SetLive(nullptr);
+  for (const std::uint32_t object : MakeLive(fresh).soft) {
+    if (const haptics::SoftBody* body = scene.live()->soft_body(object)) {
+      fresh.live()->SetSoftBody(object, std::make_unique<const haptics::SoftBody>(*body));
+    }
+  }
+  return fresh;
+}
+
 FreshScene::FreshScene(const haptics::Scene& original) : original_(original), scene_(&original) { Renew(); }
 
 FreshScene::~FreshScene() { Drop(); }
@@ -11,7 +23,7 @@ FreshScene::~FreshScene() { Drop(); }
 void FreshScene::Renew() {
   if (original_.live() == nullptr || original_.live()->sculpt_session_count() == 0) return;
   Drop();
-  copy_ = std::make_shared<const haptics::Scene>(haptics::FreshCopy(original_));
+  copy_ = std::make_shared<const haptics::Scene>(FreshCopy(original_));
   scene_ = copy_.get();
   editor_.Add(1, "the scene", copy_);
   editor_.Enter(*copy_);

@@ -9,6 +9,10 @@
 
 namespace omni::test {
 
+// The scene as it was before it was sculpted: new sculpt sessions, the same soft bodies. A scene without them shares
+// its live parts with the copy.
+haptics::Scene FreshCopy(const haptics::Scene& scene);
+
 class FreshScene {
  public:
   // `original` outlives this and is not changed.
