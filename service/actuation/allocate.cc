@@ -20,13 +20,19 @@ void Scale(double factor, Currents& currents) noexcept {
   for (double& current : currents) current *= factor;
 }
 
+struct Wanted {
+  Currents current_A{};
+  base::Vec3 force_N;  // that they make, core's pull compensated
+};
+
 // I = s A f + w(|s f|) b: the request scaled as a vector, and the share of the snapping compensation that goes
 // with it. docs/theory/actuation.md (7), (8)
-Currents Wanted(const base::ForceLimit& limit, const base::Vec3& force_N) noexcept {
+Wanted WantedFor(const base::ForceLimit& limit, const base::Vec3& force_N) noexcept {
   const double scale = base::FeasibleScale(limit, force_N);
   if (force_N == base::Vec3{} || !(scale > 0)) return {};
-  const Currents wanted = base::CurrentsFor_A(limit, scale * force_N);
-  return AreFinite(wanted) ? wanted : Currents{};
+  const base::Vec3 feasible_N = scale * force_N;
+  const Wanted wanted{base::CurrentsFor_A(limit, feasible_N), base::Rendered_N(limit, feasible_N)};
+  return AreFinite(wanted.current_A) ? wanted : Wanted{};
 }
 
 // What each coil may carry now: the device's limit, and the pose's while that is valid.
@@ -110,8 +116,8 @@ base::Vec3 Allocate(const Config& config, const base::ForceLimit& limit, const b
   const Currents last = AreFinite(state.last_current_A) ? state.last_current_A : Currents{};
   const Currents ceiling = Ceiling(config, limit);
 
-  const Currents target = Wanted(limit, force_N);
-  Currents next = Slew(config, limit, last, target, step_s);
+  const Wanted wanted = WantedFor(limit, force_N);
+  Currents next = Slew(config, limit, last, wanted.current_A, step_s);
   ApplyLimits(limit, ceiling, next);  // `last` may lie beyond a limit that has shrunk
   ApplyForceLimit(limit, state.last_force_N, next);
   for (std::size_t k = 0; k < next.size(); ++k) next[k] = std::clamp(next[k], -ceiling[k], ceiling[k]);  // rounding
@@ -119,8 +125,8 @@ base::Vec3 Allocate(const Config& config, const base::ForceLimit& limit, const b
   state.last_current_A = next;
   state.last_force_N = limit.valid ? Norm(CoilForce(limit, next)) : 0;
   currents.current_A = next;
-  const base::Vec3 rendered_N = base::Rendered_N(limit, base::FeasibleScale(limit, force_N) * force_N);
-  return next == target ? rendered_N : rendered_N + CoilForce(limit, next) - CoilForce(limit, target);
+  if (next == wanted.current_A) return wanted.force_N;
+  return wanted.force_N + CoilForce(limit, next) - CoilForce(limit, wanted.current_A);
 }
 
 }  // namespace omni::actuation
