@@ -34,7 +34,7 @@ class Front {
   std::vector<GeodesicVertex> Run(const SurfacePoint& from) {
     // The fans of the three corners see the point straight.
     for (const std::uint32_t corner : mesh_.GetTriangle(from.triangle).vertex) {
-      StiffnessBound(corner, Norm(mesh_.VertexPosition(corner) - from.position));
+      Relax(corner, Norm(mesh_.VertexPosition(corner) - from.position));
     }
     while (!heap_.empty() && result_.size() <= most_) {
       const auto [distance_m, vertex] = heap_.top();
@@ -72,12 +72,10 @@ class Front {
       const Vec3 &pa = mesh_.VertexPosition(a), &pb = mesh_.VertexPosition(b);
       // A path over the edge to the other vertex is no shorter than the nearer of the two.
       if (from_a_m > std::min(distance_m, from_b_m)) {
-        StiffnessBound(a,
-                       from_b_m < kFar ? Unfolded(here, pb, pa, distance_m, from_b_m) : distance_m + Norm(pa - here));
+        Relax(a, from_b_m < kFar ? Unfolded(here, pb, pa, distance_m, from_b_m) : distance_m + Norm(pa - here));
       }
       if (from_b_m > std::min(distance_m, from_a_m)) {
-        StiffnessBound(b,
-                       from_a_m < kFar ? Unfolded(here, pa, pb, distance_m, from_a_m) : distance_m + Norm(pb - here));
+        Relax(b, from_a_m < kFar ? Unfolded(here, pa, pb, distance_m, from_a_m) : distance_m + Norm(pb - here));
       }
       current = t.neighbour[corner];
     } while (current != start);
@@ -88,7 +86,7 @@ class Front {
     return at == kNoIndex ? kFar : known_[at].distance_m;
   }
 
-  void StiffnessBound(std::uint32_t vertex, double distance_m) {
+  void Relax(std::uint32_t vertex, double distance_m) {
     if (!(distance_m < radius_m_)) return;
     const std::uint32_t at = place_.Find(vertex);
     if (at == kNoIndex) {
