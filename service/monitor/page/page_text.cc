@@ -9,49 +9,21 @@
 
 #include "firmware/wire/names.h"
 #include "service/base/files/json_values.h"
+#include "service/monitor/page/bit_names.h"
 #include "service/monitor/page/channels.h"
-#include "service/protocol/state_memory.h"
 
 namespace omni::monitor {
 namespace {
 
 using nlohmann::json;
 
-struct BitName {
-  std::uint32_t bit;  // as a mask
-  const char* name;
-};
-constexpr auto kFlagNames = std::to_array<BitName>({
-    {protocol::kToolPoseValid, "pose_valid"},
-    {protocol::kToolTracked, "tracked"},
-    {protocol::kToolContact, "contact"},
-    {protocol::kToolJoystick, "joystick"},
-    {protocol::kToolAligned, "aligned"},
-    {protocol::kToolPushed, "pushed"},
-    {protocol::kToolSaturated, "saturated"},
-    {protocol::kToolWarm, "warm"},
-    {protocol::kToolOutOfReach, "out_of_reach"},
-    {protocol::kToolDeviceFault, "device_fault"},
-    {protocol::kToolStiffnessLimited, "stiffness_limited"},
-    {protocol::kToolHolding, "holding"},
-    {protocol::kToolSoftened, "softened"},
-    {protocol::kToolWaits, "waits"},
-});
-// loop::TickFault: protocol::TelemetrySample::tick_faults.
-constexpr auto kTickFaultNames = std::to_array<BitName>({
-    {1, "the device reports faults"},
-    {2, "the pen is not tracked"},
-    {4, "time stamps went back or jumped"},
-    {8, "a result was not finite: currents are zero"},
-    {16, "commands are stale"},
-});
-
 int BitOf(std::uint32_t mask) { return __builtin_ctz(mask); }
 
-template <class Names>
-json Bits(const Names& names) {
+json Bits(std::span<const BitName> names) {
   json rows = json::array();
-  for (const BitName& row : names) rows.push_back({{"bit", BitOf(row.bit)}, {"name", row.name}});
+  for (const BitName& row : names) {
+    rows.push_back({{"bit", BitOf(row.mask)}, {"name", *row.text != 0 ? row.text : row.name}});
+  }
   return rows;
 }
 
@@ -117,8 +89,8 @@ std::string HelloText(const PageHello& hello) {
                {"control", hello.control},
                {"hand", hello.hand},
                {"channels", std::move(channels)},
-               {"flags", Bits(kFlagNames)},
-               {"faults", Bits(kTickFaultNames)},
+               {"flags", Bits(FlagNames())},
+               {"faults", Bits(TickFaultNames())},
                {"device_faults", std::move(faults)},
                {"scenes", std::move(scenes)},
                {"material_fields", MaterialFields()},

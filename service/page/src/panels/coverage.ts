@@ -48,12 +48,12 @@ export class CoveragePanel implements Panel {
 
   // Every tracked sample; of what is live, never of a replay.
   add(live: Live, state: PageState): void {
-    if (state.signals.flag(live, 'tracked', 'tracking') === false) return;
-    const hasDof = state.signals.index('dof') >= 0;
+    if (state.signals.flag(live, 'tracked') === false) return;
+    const hasDof = state.signals.index('fit_dof') >= 0;
     for (let i = 0; i < live.count; ++i) {
       const tip = state.signals.tip(live, i);
-      const chi2 = state.signals.at(live, 'chi2', i);
-      const dof = hasDof ? state.signals.at(live, 'dof', i) : 1; // without it, the service has divided already
+      const chi2 = state.signals.at(live, 'fit_chi2', i);
+      const dof = hasDof ? state.signals.at(live, 'fit_dof', i) : 1; // without it, the service has divided already
       if (Number.isFinite(tip[0])) this.map.add(tip, dof > 0 ? chi2 / dof : NaN);
     }
   }

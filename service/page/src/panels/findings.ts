@@ -1,4 +1,6 @@
 // Everything that is not as it should be, and what to do about it: from status, faults and the page's own watch.
+import { kTickFault } from '../contract';
+import type { DeviceFaultName } from '../contract';
 import { plural } from '../ui/format';
 import { isSimulated, statusOf } from './state';
 import type { PageState } from './state';
@@ -23,16 +25,16 @@ export interface Watched {
 
 // The tick's own faults: what to do. Tracking is no problem but a state, and "Now" says it; a device fault has its
 // own line with its own remedy.
-const kTickAdvice: [RegExp, string][] = [
-  [/time/i, 'If it comes back, unplug the base and plug it in again.'],
-  [/finite/i, 'Please report it with the output of omni status --json.'],
-  [/command/i, 'Close what keeps the processor busy, and allow real-time scheduling: docs/howto/realtime.md.'],
+const kTickAdvice: [number, string][] = [
+  [kTickFault.time, 'If it comes back, unplug the base and plug it in again.'],
+  [kTickFault.not_finite, 'Please report it with the output of omni status --json.'],
+  [kTickFault.commands_stale, 'Close what keeps the processor busy, and allow real-time scheduling: docs/howto/realtime.md.'],
 ];
-const kTickSilent = /track|device/i;
+const kTickSilent = kTickFault.tracking | kTickFault.device;
 const kLateShare = 0.01; // of the ticks: fewer are not felt
 const kSimulatedFix = 'This base is a simulation: nothing has to be done.';
-const kNotArmed = /^not armed$/i;
-const kOfLateHost = /^(not armed|commands are stale|host silent)$/i; // of a simulated base: the host was late, which has its own line
+const kNotArmed: DeviceFaultName = 'not armed';
+const kOfLateHost: readonly string[] = [kNotArmed, 'host silent'] satisfies DeviceFaultName[]; // of a simulated base: the host was late, which has its own line
 
 export function findings(state: PageState, watched: Watched): Finding[] {
   const status = statusOf(state);
@@ -87,12 +89,12 @@ function ofDevice(state: PageState, status: Status | null, bits: number): Findin
     return found;
   }
   const simulated = isSimulated(status);
-  const named = new Set((device?.faults ?? []).map((name) => name.toLowerCase()));
+  const named = new Set(device?.faults ?? []);
   for (const fault of state.hello.device_faults) {
-    if (((bits >>> fault.bit) & 1) === 0 && !named.delete(fault.name.toLowerCase())) continue;
-    named.delete(fault.name.toLowerCase());
-    if (simulated && kOfLateHost.test(fault.name)) continue;
-    const armed = !kNotArmed.test(fault.name); // else only the state of a base that has just started
+    if (((bits >>> fault.bit) & 1) === 0 && !named.delete(fault.name)) continue;
+    named.delete(fault.name);
+    if (simulated && kOfLateHost.includes(fault.name)) continue;
+    const armed = fault.name !== kNotArmed; // else only the state of a base that has just started
     const what = `Base: ${fault.name}${fault.text === '' ? '' : ` (${fault.text})`}.`;
     const fix = simulated ? kSimulatedFix : fault.remedy;
     found.push({ key: `device.${fault.bit}`, severity: armed && !simulated ? 'error' : 'hint', what, fix });
@@ -108,12 +110,12 @@ function ofDevice(state: PageState, status: Status | null, bits: number): Findin
 function ofTickFaults(state: PageState, status: Status | null, bits: number): Finding[] {
   const simulated = isSimulated(status);
   return state.hello.faults
-    .filter((fault) => ((bits >>> fault.bit) & 1) === 1 && !kTickSilent.test(fault.name))
+    .filter((fault) => ((bits & ~kTickSilent) >>> fault.bit & 1) === 1)
     .map((fault) => ({
       key: `tick.${fault.bit}`,
       severity: simulated ? ('hint' as const) : ('warning' as const),
       what: `In the last ticks, ${fault.name}.`,
-      fix: simulated ? kSimulatedFix : (kTickAdvice.find(([pattern]) => pattern.test(fault.name))?.[1] ?? ''),
+      fix: simulated ? kSimulatedFix : (kTickAdvice.find(([mask]) => mask === 1 << fault.bit)?.[1] ?? ''),
     }));
 }
 

@@ -76,7 +76,7 @@ export class NowPanel implements Panel {
     this.force.set(`${fixed(force, 2)} N`, forceNote(state));
     const share = Math.min(1, Math.max(0, force / state.hello.base.force_max_N || 0));
     this.forceBar.style.transform = `scaleX(${share.toFixed(3)})`;
-    this.gap.set(mm(signals.newest(live, 'gap')));
+    this.gap.set(mm(signals.newest(live, 'gap_m')));
     const [x, y, z] = signals.tip(live).map((value) => fixed(value * 1e3, 1));
     this.position.set(`x ${x}  y ${y}  z ${z} mm`);
     const sigma = signals.sigma(live);

@@ -72,12 +72,13 @@ export class Page {
     });
     this.measure.dataset['testid'] = 'measure';
     this.measure.hidden = true;
-    this.panels = [now, this.problems, scenes, this.feel, environment, setup, tick, this.coverage, inputs];
-    const doing = make('div', { class: 'panel-column' });
-    doing.append(now.root, this.problems.root, scenes.root);
-    const knowing = make('div', { class: 'panel-column' });
-    knowing.append(this.handPlace, this.feel.root, environment.root, setup.root);
-    knowing.append(this.coverage.root, tick.root, inputs.root);
+    const columns: [Panel[], Panel[]] = [
+      [now, this.problems, scenes],
+      [this.feel, environment, setup, this.coverage, tick, inputs],
+    ];
+    this.panels = columns.flat();
+    const doing = make('div', { class: 'panel-column' }, ...columns[0].map((panel) => panel.root));
+    const knowing = make('div', { class: 'panel-column' }, this.handPlace, ...columns[1].map((panel) => panel.root));
     const panels = make('section', { class: 'panels', 'aria-label': 'Panels' }, doing, knowing);
     const main = make('main', { class: 'layout' });
     const splitter = new Splitter(main);

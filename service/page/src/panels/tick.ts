@@ -64,10 +64,10 @@ export class TickPanel implements Panel {
   }
 
   update(state: PageState): void {
-    setHidden(this.root, state.signals.index('tick_time') < 0 && statusOf(state)?.tick === undefined);
+    setHidden(this.root, state.signals.index('tick_us') < 0 && statusOf(state)?.tick === undefined);
     if (this.updates++ % kEvery !== 0) return;
     const { history, to_s } = this.window();
-    const channel = state.signals.index('tick_time');
+    const channel = state.signals.index('tick_us');
     if (!this.card.open || history === null || channel < 0) return this.writeStatus(state, null);
     const summary = summarize(history.values(channel, to_s, kSpan_s));
     this.drawing.draw((context, width, height) => this.paint(context, width, height, summary));

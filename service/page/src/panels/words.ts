@@ -21,12 +21,12 @@ export function tracking(state: PageState): Tracking {
     }
   }
   if (live === null) return { state: 'absent', text: 'Waiting for the first measurement.' };
-  if (signals.flag(live, 'tracked', 'tracking') === true) return { state: 'tracked', text: 'The pen is tracked.' };
+  if (signals.flag(live, 'tracked') === true) return { state: 'tracked', text: 'The pen is tracked.' };
   if (signals.frozen(live)) return { state: 'lost', text: 'Every sensor repeats itself: nothing is measured.' };
   if (signals.contradicted(live)) {
     return { state: 'lost', text: 'A magnet is near, but no pose fits: see the problems.' };
   }
-  if (signals.flag(live, 'pose valid', 'pose', 'valid') === true) {
+  if (signals.flag(live, 'pose_valid') === true) {
     return { state: 'lost', text: 'The pen is lost: its last place is shown. Bring it nearer to the base.' };
   }
   const bring = state.hello.hand ? 'press on the view to bring it.' : 'bring it within 100 mm of the base.';
@@ -78,12 +78,12 @@ export function replayNote(state: PageState): string {
 export function forceNote(state: PageState): string {
   const { live, signals } = state;
   if (live === null) return '';
-  if (signals.flag(live, 'device fault') === true) return 'no force: the base reports a fault';
-  if (signals.flag(live, 'out of reach') === true) return 'no force can be made here';
+  if (signals.flag(live, 'device_fault') === true) return 'no force: the base reports a fault';
+  if (signals.flag(live, 'out_of_reach') === true) return 'no force can be made here';
   if (signals.flag(live, 'waits') === true) return 'no force: the pen is inside; it is felt once it was outside';
   if (signals.flag(live, 'saturated') === true) return 'cut by what the base can do';
   if (signals.flag(live, 'softened') === true) return 'softer for a while: it made the hand swing; rest for half a second';
-  if (signals.flag(live, 'stiffness limited') === true) return 'softer than asked for, to stay stable';
+  if (signals.flag(live, 'stiffness_limited') === true) return 'softer than asked for, to stay stable';
   if (signals.flag(live, 'warm') === true) return 'the coils are warm: less force than when cold';
   if (signals.flag(live, 'pushed') === true) return 'an application pushes';
   return '';

@@ -1,5 +1,6 @@
 // What of a Live message is drawn, read by the names of channels and flags. A service that lacks a name, or knows more
 // of them, does no harm: what is missing is 0.
+import type { ChannelName, FlagName } from '../contract';
 import type { Aim, Contact, Hello, Live, Quat, Vec3, Vehicle } from '../types';
 
 const kNames = [
@@ -8,7 +9,7 @@ const kNames = [
   'force_x_N', 'force_y_N', 'force_z_N',
   'current_x_A', 'current_y_A', 'current_z_A',
   'cov_xx_m2', 'cov_xy_m2', 'cov_xz_m2', 'cov_yy_m2', 'cov_yz_m2', 'cov_zz_m2',
-] as const;
+] as const satisfies readonly ChannelName[];
 type Name = (typeof kNames)[number];
 
 export interface Picture {
@@ -89,7 +90,7 @@ export class PictureReader {
     }
   }
 
-  private flag(live: Live, name: string): boolean {
+  private flag(live: Live, name: FlagName): boolean {
     const bit = this.bits.get(name);
     return bit !== undefined && ((live.flags >>> bit) & 1) === 1;
   }
