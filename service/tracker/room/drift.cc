@@ -81,27 +81,27 @@ bool AllowForCurrents(DriftEvidence& evidence) noexcept {
   return true;
 }
 
-// What evidence says of the states `kept` alone, the others eliminated, each known to its own variance:
+// What evidence says of kKept states from the first on alone, the others eliminated, each known to its own variance:
 //   I' = I_kk - I_ko (I_oo + D^-1)^-1 I_ok,   g' = g_k - I_ko (I_oo + D^-1)^-1 g_o
-template <int kKept>
-bool Reduce(const DriftEvidence& evidence, const DriftState& drift, const std::array<int, kKept>& kept,
-            Matrix<kKept>& information, Matrix<kKept, 1>& gradient) noexcept {
+template <int kFirst, int kKept>
+bool Reduce(const DriftEvidence& evidence, const DriftState& drift, Matrix<kKept>& information,
+            Matrix<kKept, 1>& gradient) noexcept {
   constexpr int kOthers = kStates - kKept;
-  std::array<int, kOthers> others{};
-  for (int state = 0, n = 0; state < kStates; ++state) {
-    if (std::find(kept.begin(), kept.end(), state) == kept.end()) others[static_cast<std::size_t>(n++)] = state;
-  }
+  constexpr auto others = [] {
+    std::array<int, kOthers> list{};
+    for (int n = 0; n < kOthers; ++n) list[static_cast<std::size_t>(n)] = n < kFirst ? n : n + kKept;
+    return list;
+  }();
   const auto I = AsMatrix<kStates>(evidence.information);
   const auto g = AsVector(evidence.gradient);
   Matrix<kOthers> S = I(others, others);
   S.diagonal() += AsMatrix<kStates>(drift.covariance).diagonal()(others).cwiseInverse();
   if (!InvertPositive<kOthers>(S.data(), kOthers)) return false;
-  const Matrix<kOthers, kKept> I_ok = I(others, kept);
+  const Matrix<kOthers, kKept> I_ok = I.middleCols<kKept>(kFirst)(others, Eigen::all);
+  const Matrix<kOthers, 1> g_o = g(others);
   const Matrix<kKept, kOthers> share = I_ok.transpose() * S;
-  information = I(kept, kept);
-  information -= share * I_ok;
-  gradient = g(kept);
-  gradient -= share * g(others).eval();
+  information = I.block<kKept, kKept>(kFirst, kFirst) - share * I_ok;
+  gradient = g.segment<kKept>(kFirst) - share * g_o;
   return true;
 }
 
@@ -109,7 +109,7 @@ AmbientEvidence OfAmbient(const DriftEvidence& evidence, const DriftState& drift
   AmbientEvidence ambient;
   Matrix<3> information;
   Matrix<3, 1> gradient;
-  ambient.valid = Reduce<3>(evidence, drift, {kAmbient, kAmbient + 1, kAmbient + 2}, information, gradient);
+  ambient.valid = Reduce<kAmbient, 3>(evidence, drift, information, gradient);
   if (!ambient.valid) return ambient;
   AsMatrix<3>(ambient.information) = information;
   AsVector(ambient.gradient) = gradient;
@@ -283,7 +283,7 @@ MomentEvidence OfMoment(DriftEvidence evidence, const DriftState& drift) noexcep
   Matrix<1> information;
   Matrix<1> gradient;
   if (!evidence.valid || !AllowForCurrents(evidence)) return {};
-  if (!Reduce<1>(evidence, drift, {kMoment}, information, gradient)) return {};
+  if (!Reduce<kMoment, 1>(evidence, drift, information, gradient)) return {};
   const bool usable = information[0] > 0 && std::isfinite(information[0] + gradient[0]);
   return {usable, information[0], gradient[0]};
 }
