@@ -53,7 +53,7 @@ std::complex<double> Response(double frequency_Hz) {
 
 TEST(SimEddies, DrivenCoreAnswersLikeASphere) {
   for (const double f : {0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0}) {
-    EXPECT_LT(std::abs(Response(f) - Sphere(f)), 2e-3) << f << " Hz";
+    EXPECT_LT(std::abs(Response(f) - Sphere(f)), 1e-3) << f << " Hz";
   }
 }
 
