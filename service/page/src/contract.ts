@@ -1,6 +1,6 @@
 // Printed by build/release/bin/page_contract from the service's tables (service/monitor/page/channels.cc,
-// bit_names.cc, firmware/wire/names.cc); the test PageContract.IsUpToDate compares. A name that is not here is an
-// error of the compiler.
+// bit_names.cc, firmware/wire/names.cc); the test PageContract.IsUpToDate compares. A name that is not here is
+// an error of the compiler.
 export type ChannelName =
   | 'tip_x_m'
   | 'tip_y_m'

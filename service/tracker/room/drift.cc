@@ -45,9 +45,9 @@ bool EliminatePose(const Measurement& measurement, const KernelSums& sums, Drift
   }
   SmallCholesky<kParameters> factors;
   if (!factors.Factor(H.data(), kParameters, 0)) return false;
-  const Matrix<kParameters, kStates> B = Eigen::Map<const Matrix<kParameters, kStates>>(sides[0].data());
+  const Matrix<kParameters, kStates> B = AsRows(sides);
   factors.SolveSides(sides);
-  const Eigen::Map<const Matrix<kParameters, kStates>> H_B(sides[0].data());
+  const auto H_B = AsRows(sides);
   StateMatrix A;
   StateVector c;
   const Eigen::Map<const Matrix<kMoment, 1>> CtM(sums.CtM);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "service/magnetics/dipole.h"
+#include "service/tracker/kernel/matrices.h"
 #include "service/tracker/solve/spiral.h"
 
 namespace omni::tracker {
@@ -15,8 +16,7 @@ using Eigen::Vector3d;
 constexpr int kN = static_cast<int>(kDipoleParameters);
 using Vector6 = Eigen::Matrix<double, kN, 1>;
 using Matrix6 = Eigen::Matrix<double, kN, kN>;
-using RowVector = Eigen::Matrix<double, kReadings, 1>;
-using RowMatrix = Eigen::Matrix<double, kReadings, kReadings, Eigen::RowMajor>;
+using RowVector = Matrix<kReadings, 1>;
 
 constexpr int kDirections = 40;
 constexpr std::array<double, 3> kDistances_m{0.2, 0.3, 0.45};
@@ -27,14 +27,10 @@ constexpr double kInnovationMemory = 0.3;  // share of the newest
 constexpr double kMisfitMemory = 0.02;
 constexpr double kDof = static_cast<double>(kReadings - StrayScan::kEliminated);
 
-Vector6 ToVector(const DipoleNumbers& p) noexcept { return Eigen::Map<const Vector6>(p.data()); }
-void Put(const Vector6& from, DipoleNumbers& to) noexcept { Eigen::Map<Vector6>(to.data()) = from; }
-Eigen::Map<const RowMatrix> Information(const StrayEvidence& e) noexcept {
-  return Eigen::Map<const RowMatrix>(e.information_1_T2.data());
-}
-Eigen::Map<const RowVector> Gradient(const StrayEvidence& e) noexcept {
-  return Eigen::Map<const RowVector>(e.gradient_1_T.data());
-}
+Vector6 ToVector(const DipoleNumbers& p) noexcept { return AsVector(p); }
+void Put(const Vector6& from, DipoleNumbers& to) noexcept { AsVector(to) = from; }
+auto Information(const StrayEvidence& e) noexcept { return AsMatrix<kReadings>(e.information_1_T2); }
+auto Gradient(const StrayEvidence& e) noexcept { return AsVector(e.gradient_1_T); }
 Eigen::Map<Matrix6> Covariance(StrayDipole& dipole) noexcept { return Eigen::Map<Matrix6>(dipole.covariance.data()); }
 
 Matrix3d GainOf(const Model& model, std::size_t sensor) noexcept {
@@ -290,15 +286,15 @@ void FollowDipole(const DipoleOptions& options, const Model& model, const StrayS
   FollowedDipole& followed = *std::get_if<FollowedDipole>(&dipole.stage);
   const Field field = FieldAt(model, ToVector(dipole.parameters));
   const ReadingLanes rest = scan.Eliminate(scan.residual);
-  const Eigen::Map<const RowVector> inverse_sigma(scan.inverse_sigma.data());
+  const auto inverse_sigma = AsVector(scan.inverse_sigma);
   Matrix6 A;
   Vector6 e;
   for (int k = 0; k < kN; ++k) {
     ReadingLanes column;
-    Eigen::Map<RowVector>(column.data()) = inverse_sigma.cwiseProduct(field.J.col(k));
+    AsVector(column) = inverse_sigma.cwiseProduct(field.J.col(k));
     const ReadingLanes left = scan.Eliminate(column);
-    e[k] = -Eigen::Map<const RowVector>(column.data()).dot(Eigen::Map<const RowVector>(rest.data()));
-    A.col(k) = field.J.transpose() * inverse_sigma.cwiseProduct(Eigen::Map<const RowVector>(left.data()));
+    e[k] = -AsVector(column).dot(AsVector(rest));
+    A.col(k) = field.J.transpose() * inverse_sigma.cwiseProduct(AsVector(left));
   }
   Eigen::Map<Matrix6> P = Covariance(dipole);
   const double moved_m = options.speed_m_s * step_s, turned_Am2 = options.turn_1_s * options.moment_Am2 * step_s;
@@ -318,7 +314,7 @@ void FollowDipole(const DipoleOptions& options, const Model& model, const StrayS
 
 ReadingLanes FieldOfDipole(const Model& model, const StrayDipole& dipole) noexcept {
   ReadingLanes field_T;
-  Eigen::Map<RowVector>(field_T.data()) = FieldAt(model, ToVector(dipole.parameters)).x_T;
+  AsVector(field_T) = FieldAt(model, ToVector(dipole.parameters)).x_T;
   return field_T;
 }
 
@@ -326,8 +322,8 @@ ReadingLanes FieldOfDipole(const Model& model, const StrayDipole& dipole) noexce
 void OffsetsOfDipole(const DipoleOptions& options, const Model& model, const StrayDipole& dipole, ReadingLanes& mean_T,
                      ReadingMatrix& covariance_T2) noexcept {
   const Field field = FieldAt(model, ToVector(dipole.parameters));
-  Eigen::Map<RowVector>(mean_T.data()) = field.x_T;
-  Eigen::Map<RowMatrix> covariance(covariance_T2.data());
+  AsVector(mean_T) = field.x_T;
+  auto covariance = AsMatrix<kReadings>(covariance_T2);
   covariance = field.J * Eigen::Map<const Matrix6>(dipole.covariance.data()) * field.J.transpose();
   covariance.diagonal().array() += options.other_T * options.other_T;
 }

@@ -9,7 +9,6 @@
 namespace omni::tracker {
 namespace {
 
-constexpr std::size_t kRows = kReadings;
 constexpr std::size_t kCoils = base::kCoilCount;
 constexpr int kEliminated = static_cast<int>(StrayScan::kEliminated);
 constexpr double kCurrentMin_A2 = 1e-12, kMomentMin = 1e-8;  // variances of what is known well

@@ -31,8 +31,8 @@ std::string ContractText() {
   for (const wire::FaultText& fault : wire::Faults()) faults.push_back(fault.name);
   return "// Printed by build/release/bin/page_contract from the service's tables (service/monitor/page/channels.cc,\n"
          "// bit_names.cc, firmware/wire/names.cc); the test PageContract.IsUpToDate compares. A name that is not here "
-         "is an\n"
-         "// error of the compiler.\n" +
+         "is\n"
+         "// an error of the compiler.\n" +
          Union("ChannelName", channels) + Union("FlagName", flags) + "// Of the channel \"tick_faults\".\n" +
          Masks("kTickFault", TickFaultNames()) + "// Of the channel \"tool_limits\".\n" +
          Masks("kToolLimit", ToolLimitNames()) + "// Of the channel \"device_faults\".\n" +
