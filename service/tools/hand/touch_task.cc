@@ -19,7 +19,7 @@ constexpr double kDentEnough_m = 0.0005;  // ... this is one
 // With the clay: travel of the tip above the surface, and below the place where it was grabbed; the hand aims further.
 constexpr double kPull_m = 0.010, kPush_m = 0.0035;
 constexpr double kPullAim_m = 0.015, kPushAim_m = 0.012;
-constexpr double kLetsGo_s = 1.2;     // clay lets go of a pen that rests
+constexpr double kLetsGo_s = 4;       // at most, until clay lets go of a pen that rests: a hand trembles
 constexpr double kSettled_s = 0.5;    // until a stroke is counted
 constexpr int kWanted[] = {3, 2, 2};  // of each kind
 
