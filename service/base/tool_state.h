@@ -17,10 +17,10 @@ enum class TrackingStatus : std::uint8_t {
 
 // What limits this state, as bits. docs/theory/tracking.md, Limits
 enum ToolLimit : std::uint32_t {
-  kToolTilted = 1,       // within 15 degrees of perpendicular to the radius: one direction of force is out of reach
-  kToolCoarse = 2,       // far from the sensors: this scan alone knows the position to no better than 1 mm
-  kToolFewReadings = 4,  // half of the readings are unusable: another pose could fit as well
-  kToolSaturated = 8,    // a sensor axis is at its limit and left out
+  kToolTilted = 1,           // within 15 degrees of perpendicular to the radius: one direction of force is out of reach
+  kToolCoarse = 2,           // far from the sensors: this scan alone knows the position to no better than 1 mm
+  kToolFewReadings = 4,      // half of the readings are unusable: another pose could fit as well
+  kToolSensorSaturated = 8,  // a sensor axis is at its limit and left out
   // A magnet is present, but no pose fits, not even out of reach: a second magnet, a stuck, swapped or broken sensor,
   // the calibration of another base.
   kToolContradicted = 16,

@@ -10,7 +10,7 @@ inline constexpr double kLargestValue = 1e6;                           // of any
 inline constexpr std::int64_t kLatestTime_ns = std::int64_t{1} << 62;  // differences of two times cannot overflow
 inline constexpr double kUnitTolerance = 1e-2;                         // of |q|^2
 inline constexpr std::uint32_t kKnownToolFlags =
-    kToolPoseValid | kToolTracked | kToolContact | kToolJoystick | kToolAligned | kToolPushed | kToolSaturated |
+    kToolPoseValid | kToolTracked | kToolContact | kToolJoystick | kToolAligned | kToolPushed | kToolForceCut |
     kToolWarm | kToolOutOfReach | kToolDeviceFault | kToolStiffnessLimited | kToolHolding | kToolSoftened | kToolWaits;
 
 inline constexpr std::uint32_t kKnownBaseFlags = kBaseSeen | kBaseLeapt;

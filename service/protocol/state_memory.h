@@ -32,7 +32,7 @@ enum ToolFlag : std::uint32_t {
   kToolJoystick = 1u << 3,           // the active scene says joystick: thumbstick components are live
   kToolAligned = 1u << 4,            // base pose in the headset's space is known (else the default placement holds)
   kToolPushed = 1u << 5,             // a force or a constraint of the application acts
-  kToolSaturated = 1u << 6,          // the device's limit cut the force
+  kToolForceCut = 1u << 6,           // the device's limit cut the force
   kToolWarm = 1u << 7,               // coils may carry less current than cold ones
   kToolOutOfReach = 1u << 8,         // no force can be made at this pose
   kToolDeviceFault = 1u << 9,        // the device reports a fault: no force

@@ -39,7 +39,7 @@ struct Press {
   void Feel(double asked_N) {
     protocol::ToolSample tool;
     tool.flags = protocol::kToolPoseValid | protocol::kToolTracked;
-    if (asked_N > base_N) tool.flags |= protocol::kToolSaturated;
+    if (asked_N > base_N) tool.flags |= protocol::kToolForceCut;
     tool.force_base_N[2] = force_N;
     tool.position_base_m[2] = z_m;
     protocol::ContactSnapshot contacts;

@@ -164,8 +164,8 @@ TEST_F(TrackerDrift, ReportsTiltedCoarseAndSaturatedLimits) {
   base::HallScan scan = NextScan();
   scan.saturated_mask = 0xfff;
   Feed(scan);
-  EXPECT_EQ(tool.limits & (base::kToolSaturated | base::kToolFewReadings),
-            base::kToolSaturated | base::kToolFewReadings);
+  EXPECT_EQ(tool.limits & (base::kToolSensorSaturated | base::kToolFewReadings),
+            base::kToolSensorSaturated | base::kToolFewReadings);
 }
 
 // Nothing that chi2 contradicts passes for a pose, and no pose is shown 20 ms after the last one that fitted.

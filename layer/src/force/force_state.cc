@@ -10,7 +10,7 @@ struct SampleBit {
   XrForceFeedbackStateFlagsOMNIX1 state;
 };
 constexpr std::array<SampleBit, 5> kSampleBits{{
-    {protocol::kToolSaturated, XR_FORCE_FEEDBACK_STATE_SATURATED_BIT_OMNIX1},
+    {protocol::kToolForceCut, XR_FORCE_FEEDBACK_STATE_SATURATED_BIT_OMNIX1},
     {protocol::kToolWarm, XR_FORCE_FEEDBACK_STATE_THERMAL_LIMITED_BIT_OMNIX1},
     {protocol::kToolOutOfReach, XR_FORCE_FEEDBACK_STATE_OUT_OF_WORKSPACE_BIT_OMNIX1},
     {protocol::kToolDeviceFault, XR_FORCE_FEEDBACK_STATE_EMERGENCY_STOP_BIT_OMNIX1},

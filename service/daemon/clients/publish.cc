@@ -21,7 +21,7 @@ std::uint32_t Flags(const loop::TickOutput& output) noexcept {
   if (output.haptics.holding && output.gate > 0) flags |= protocol::kToolHolding;
   if (output.haptics.waits && output.gate > 0) flags |= protocol::kToolWaits;
   if (output.applied.acts && output.gate > 0) flags |= protocol::kToolPushed;
-  if (output.saturated) flags |= protocol::kToolSaturated;
+  if (output.saturated) flags |= protocol::kToolForceCut;
   if (output.warm) flags |= protocol::kToolWarm;
   if (output.out_of_reach) flags |= protocol::kToolOutOfReach;
   if ((output.faults & loop::kFaultDevice) != 0) flags |= protocol::kToolDeviceFault;

@@ -47,7 +47,7 @@ void AimLimit::Feel(const protocol::ToolSample& tool, const protocol::ContactSna
   pressed_m_ = std::max(pressed_m_ + kPress_m_s * dt_s, deepest_m + kPressFirst_m);
   const double force_N = Norm(VecOf(tool.force_base_N));
   soft_m_ = kDeepest_m + force_N / options_.hand_stiffness_N_m;
-  const bool cut = (tool.flags & (protocol::kToolSaturated | protocol::kToolOutOfReach)) != 0;
+  const bool cut = (tool.flags & (protocol::kToolForceCut | protocol::kToolOutOfReach)) != 0;
   if (cut && !cut_) {
     cut_ = true;
     beyond_m_ = std::min(beyond_m_, force_N / options_.hand_stiffness_N_m + deepest_m);

@@ -87,7 +87,7 @@ std::uint32_t LimitsOf(const Observation& observation, const Fit& fit, bool expl
   if (std::abs(p.dot(base::ToEigen(tool.axis_base))) < config.tilted_cos * p.norm()) limits |= base::kToolTilted;
   if (!(PositionVariance(fit) <= config.coarse_m * config.coarse_m)) limits |= base::kToolCoarse;
   if (measurement.axes <= kReadings / 2) limits |= base::kToolFewReadings;
-  if (saturated) limits |= base::kToolSaturated;
+  if (saturated) limits |= base::kToolSensorSaturated;
   if (!explained && HasMagnet(config, measurement)) limits |= base::kToolContradicted;
   return limits;
 }

@@ -249,7 +249,7 @@ TEST_F(Force, StateReportsNewestSampleInRequestedSpace) {
     sample.position_base_m = {0, 0, 0.06};
     sample.force_base_N = {0.1, 0.2, 0.3};
     sample.contact_count = 2;
-    sample.flags |= protocol::kToolSaturated;
+    sample.flags |= protocol::kToolForceCut;
   });
   StartWithHandle();
   ASSERT_TRUE(app_->SyncUntil(service_, [&] { return State().isActive == XR_TRUE; }));
