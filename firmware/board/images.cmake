@@ -37,10 +37,10 @@ endif()
 set(OMNI_IMAGE_DIR ${CMAKE_BINARY_DIR}/images CACHE INTERNAL "Where the firmware images come")
 include(ExternalProject)
 ExternalProject_Add(omni_images
-  SOURCE_DIR ${CMAKE_SOURCE_DIR}/firmware/board
+  SOURCE_DIR ${omni_SOURCE_DIR}/firmware/board
   BINARY_DIR ${CMAKE_BINARY_DIR}/cross
   PREFIX ${CMAKE_BINARY_DIR}/cross-steps
-  CMAKE_ARGS -DCMAKE_TOOLCHAIN_FILE=${CMAKE_SOURCE_DIR}/firmware/board/toolchain-arm.cmake
+  CMAKE_ARGS -DCMAKE_TOOLCHAIN_FILE=${omni_SOURCE_DIR}/firmware/board/toolchain-arm.cmake
              -DOMNI_IMAGE_DIR=${OMNI_IMAGE_DIR} -DOMNI_WERROR=${OMNI_WERROR}
   BUILD_ALWAYS ON  # the inner build tracks what is up to date
   INSTALL_COMMAND "")

@@ -10,9 +10,9 @@ install(CODE "
   get_filename_component(prefix \"\${CMAKE_INSTALL_PREFIX}\" ABSOLUTE)
   cmake_path(ABSOLUTE_PATH unit_folder BASE_DIRECTORY \"\${prefix}\")
   string(REPLACE \"%\" \"%%\" OMNI_PROGRAMS \"\${prefix}/bin\")
-  configure_file(\"${CMAKE_SOURCE_DIR}/manifests/systemd/omnid.service.in\" \"${CMAKE_BINARY_DIR}/omnid.service\" @ONLY)
+  configure_file(\"${omni_SOURCE_DIR}/manifests/systemd/omnid.service.in\" \"${CMAKE_BINARY_DIR}/omnid.service\" @ONLY)
   file(INSTALL DESTINATION \"\${unit_folder}\" TYPE FILE FILES \"${CMAKE_BINARY_DIR}/omnid.service\"
-       \"${CMAKE_SOURCE_DIR}/manifests/systemd/omnid.socket\")
+       \"${omni_SOURCE_DIR}/manifests/systemd/omnid.socket\")
 " COMPONENT omni)
 
 install(FILES LICENSE README.md CHANGELOG.md SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
@@ -35,5 +35,5 @@ install(FILES CITATION.cff ${OMNI_NOTICES} DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(CODE "
   cmake_path(ABSOLUTE_PATH CMAKE_INSTALL_PREFIX NORMALIZE OUTPUT_VARIABLE prefix)
   set(OMNI_DOCUMENTS \"\$ENV{DESTDIR}\${prefix}/${CMAKE_INSTALL_DOCDIR}\")
-  include(\"${CMAKE_SOURCE_DIR}/scripts/cmake/installed_links.cmake\")
+  include(\"${omni_SOURCE_DIR}/scripts/cmake/installed_links.cmake\")
 ")

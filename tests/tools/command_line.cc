@@ -339,7 +339,7 @@ TEST(ToolsCommandLine, MovedCommandsNameTheirReplacement) {
        std::vector<std::vector<std::string>>{{"bench"}, {"bench", "tick", "--seed", "4"}, {"bench", "--help"}}) {
     const Outcome moved = RunOmni(words);
     EXPECT_EQ(moved.status, kExitUsage);
-    ExpectOneLine(moved.err, {"omni bench: ", "--target omni-bench", "build/release/bin/omni-bench\n"});
+    ExpectOneLine(moved.err, {"omni bench: ", "--target omni-bench", "build/bench/bin/omni-bench\n"});
   }
   ExpectOneLine(RunOmni({"paper", "forces"}).err, {"omni paper: ", "`omni-bench paper`"});
 }

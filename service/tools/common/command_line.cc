@@ -11,9 +11,10 @@ namespace {
 // Commands that moved to omni-bench.
 void AddMoved(Command& app, const std::string& name, const std::string& now) {
   app.AddHidden(name).Run([name, now] {
-    return Refuse("omni " + name, "moved to `" + now +
-                                      "`, a separate program in the source tree: scripts/configure release tests && " +
-                                      "cmake --build --preset release --target omni-bench; build/release/bin/" + now);
+    return Refuse("omni " + name,
+                  "moved to `" + now +
+                      "`, a separate program in the source tree: cmake -S tests/bench -B build/bench && " +
+                      "cmake --build build/bench --target omni-bench; build/bench/bin/" + now);
   });
 }
 

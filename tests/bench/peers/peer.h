@@ -38,7 +38,7 @@ struct PeerFit {
 };
 
 // A step that changes chi2 by less than this ends the tracker's own solver; peers stop by the same rule. Errors then
-// stay within 1 % of those at the exact minimum (tests/peers/solvers.cc).
+// stay within 1 % of those at the exact minimum (checks/solvers.cc).
 inline constexpr double kPeerChi2Done = 1e-3;
 
 struct PeerOptions {
