@@ -112,7 +112,7 @@ class Core {
   float set_point_A_[wire::kCoils] = {};
   HallVerdict hall_verdict_;
   CoilSample samples_[wire::kCoils];
-  float end_A_[wire::kCoils] = {};  // currents at the end of the step before, docs/theory/firmware.md (4a)
+  float end_A_[wire::kCoils] = {};  // currents at the end of the step before, docs/theory/firmware.md (1.5)
   Proof proof_;
 
   std::uint64_t now_us_ = 0;

@@ -1,5 +1,5 @@
 // One coil's current: a reference that the supply can always follow, the voltage that produces it according to the
-// model, and a PI controller for the model's errors. docs/theory/firmware.md (5) to (9)
+// model, and a PI controller for the model's errors. docs/theory/firmware.md (2.1) to (2.5)
 #pragma once
 
 #include "firmware/core/coil_model.h"

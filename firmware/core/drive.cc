@@ -20,13 +20,13 @@ constexpr float kFeedFrom_V = 3;
 constexpr float kFeedTo_V = 1;
 constexpr float kSupplyUsable_V = 1;  // below: no duty
 
-// (20): from 1 at the temperature where currents shrink to 0 where they trip.
+// (6.2): from 1 at the temperature where currents shrink to 0 where they trip.
 float DerateShare(const Settings& settings, float temperature_C) noexcept {
   const float span_K = settings.temperature_max_C - settings.temperature_derate_C;
   return Clamp((settings.temperature_max_C - temperature_C) / span_K, 0, 1);
 }
 
-// (28)
+// (2.6)
 float FeedShare(const Settings& settings, float supply_V) noexcept {
   return Clamp((settings.supply_max_V - kFeedTo_V - supply_V) / (kFeedFrom_V - kFeedTo_V), 0, 1);
 }
@@ -89,7 +89,7 @@ void Drive::StepTest(const float (&voltage_V)[wire::kCoils], bool awake, float s
   Write(outputs);
 }
 
-// (19) to (21): limits of the set-points, then the coils one by one.
+// (6.1) to (6.3): limits of the set-points, then the coils one by one.
 void Drive::Control(const Settings& settings, const CoilHeat& heat, const Demand& demand) noexcept {
   float target_A[wire::kCoils] = {};
   float power_W = 0;
@@ -113,7 +113,7 @@ void Drive::Control(const Settings& settings, const CoilHeat& heat, const Demand
   }
 }
 
-// (22)
+// (6.4)
 void Drive::SetDuty(int coil, float voltage_V, float supply_V) noexcept {
   duty_[coil] = 0;
   if (!(supply_V >= kSupplyUsable_V)) return;

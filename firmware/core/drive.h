@@ -1,5 +1,5 @@
 // The three bridges: asleep, waking, controlling currents, ramping to zero, braking. Brake before sleep, so that a
-// coil's energy ends in its copper and not in the supply. docs/theory/firmware.md (19) to (22)
+// coil's energy ends in its copper and not in the supply. docs/theory/firmware.md (6.1) to (6.4), (2.6)
 #pragma once
 
 #include "firmware/core/current_control.h"

@@ -46,7 +46,7 @@ void UpdateHeat(const Config& config, const base::HallScan& scan, State& state) 
 
 // What the coils can do at this pose with `current_max_A` each. Not tracking, too far or inside the windings: valid =
 // false. Near the singular pose (pen perpendicular to the radius) the direction that the coils cannot push fades out of
-// ampere_per_newton, continuously, and near_singular says so. docs/theory/actuation.md (6)
+// ampere_per_newton, continuously, and near_singular says so. docs/theory/actuation.md (3.1)
 base::ForceLimit ComputeDeratedLimit(const Config& config, const base::ToolState& tool, const HeatState& heat) noexcept;
 // The same for coils and body that have all been at these temperatures for long.
 base::ForceLimit ComputeForceLimit(const Config& config, const base::ToolState& tool,

@@ -26,7 +26,7 @@ struct Wanted {
 };
 
 // I = s A f + w(|s f|) b: the request scaled as a vector, and the share of the snapping compensation that goes
-// with it. docs/theory/actuation.md (7), (8)
+// with it. docs/theory/actuation.md (4.1), (4.2)
 Wanted WantedFor(const base::ForceLimit& limit, const base::Vec3& force_N) noexcept {
   const double scale = base::FeasibleScale(limit, force_N);
   if (force_N == base::Vec3{} || !(scale > 0)) return {};
@@ -73,7 +73,8 @@ double ShareKept(const Currents& last, const Currents& target) noexcept {
   return along > 0 ? std::min(1.0, along / whole) : 0.0;
 }
 
-// From what falling alone leaves of `last` straight towards `target`, as far as coils slew and the force may grow. (13)
+// From what falling alone leaves of `last` straight towards `target`, as far as coils slew and the force may grow.
+// (6.1)
 Currents Slew(const Config& config, const base::ForceLimit& limit, const Currents& last, const Currents& target,
               double dt_s) noexcept {
   const double kept = ShareKept(last, target);
@@ -94,7 +95,7 @@ Currents Slew(const Config& config, const base::ForceLimit& limit, const Current
 }
 
 // At the pen's new pose the previous tick's currents make another force: they are scaled until their force has grown no
-// more than allowed, and the force on the tool, core's pull included, is within the limit.   (14)
+// more than allowed, and the force on the tool, core's pull included, is within the limit.   (6.2)
 void ApplyForceLimit(const base::ForceLimit& limit, double last_force_N, Currents& currents) noexcept {
   if (!limit.valid) return;
   const base::Vec3 coils_N = CoilForce(limit, currents);

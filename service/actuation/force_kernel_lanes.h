@@ -1,5 +1,6 @@
 // Body of the kernel, included once per instruction set with OMNI_LANE_BYTES and OMNI_FORCE_KERNEL defined.
-// Lanes are points of the magnet. Formulas: docs/theory/actuation.md (2), (3), (5), (9); magnetics.md (4) - (6), (10).
+// Lanes are points of the magnet. Formulas: docs/theory/actuation.md (2.1), (2.2), (2.4), (2.5); magnetics.md (4) -
+// (6), (10).
 #if !defined(OMNI_LANE_BYTES) || !defined(OMNI_FORCE_KERNEL)
 #error "included by force_kernel_*.cc only"
 #endif

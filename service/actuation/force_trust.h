@@ -1,4 +1,4 @@
-// How much force may be requested of a base of limited accuracy. Set-up only. docs/theory/actuation.md (15)
+// How much force may be requested of a base of limited accuracy. Set-up only. docs/theory/actuation.md (7.1)
 #pragma once
 
 #include "service/actuation/force_map.h"

@@ -11,7 +11,7 @@ struct DampedInverse {
   double conditioning = 0;                    // smallest over largest singular value
   std::array<double, 9> ampere_per_newton{};  // row-major 3x3
 };
-// docs/theory/actuation.md (6)
+// docs/theory/actuation.md (3.1)
 DampedInverse InvertForceMap(const std::array<double, 9>& newton_per_ampere, double singular_ratio) noexcept;
 
 }  // namespace omni::actuation

@@ -20,7 +20,7 @@ enum class MagnetDetail : unsigned char { kPoint, kRing, kFull };
 
 // Points with the moments q3 = m k3 and q5 = m k5 of the magnet (docs/theory/magnetics.md (8)), so that in any field
 // that has no source inside the magnet force and torque are right up to the sixth derivative of its potential.
-// docs/theory/actuation.md (10)
+// docs/theory/actuation.md (2.6)
 WeightedPoints MakeMagnetPoints(const base::MagnetGeometry& magnet, MagnetDetail detail);
 
 }  // namespace omni::actuation

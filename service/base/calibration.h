@@ -25,7 +25,7 @@ struct SensorCalibration {
   Vec3 background_sensor_T;
 };
 
-// Acts like a magnetic mirror below the base: a steel desk. docs/theory/tracking.md (21)
+// Acts like a magnetic mirror below the base: a steel desk. docs/theory/tracking.md (12.1)
 struct SteelPlane {
   double strength = 0;       // 0: none; 1: of much iron
   double height_base_m = 0;  // z of the plane, < 0

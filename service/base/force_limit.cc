@@ -19,7 +19,7 @@ Currents Push(const ForceLimit& limit, const Vec3& force_N) noexcept {
   return {push.x, push.y, push.z};
 }
 
-// Smooth step: 0 at 0, 1 from bias_fade_N on, slope 0 at both ends.   (8)
+// Smooth step: 0 at 0, 1 from bias_fade_N on, slope 0 at both ends.   (4.2)
 double BiasShare(const ForceLimit& limit, double force_N) noexcept {
   if (!(force_N < limit.bias_fade_N)) return 1;
   const double t = force_N / limit.bias_fade_N;
@@ -53,7 +53,7 @@ LimitAlong Heat(const ForceLimit& limit, const Currents& start_A, const Currents
   return heat;
 }
 
-// |s f + (1 - w) F_snap|^2 - max(F_max, |F_snap|)^2: the core's pull that is left, actuation.md (14).
+// |s f + (1 - w) F_snap|^2 - max(F_max, |F_snap|)^2: the core's pull that is left, actuation.md (6.2).
 LimitAlong NetForce(const ForceLimit& limit, const Vec3& force_N, double share) noexcept {
   const double pull_N2 = SquaredNorm(limit.snapping_N);
   const double left = 1 - share;

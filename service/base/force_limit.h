@@ -30,14 +30,14 @@ struct LimitAlong {
   }
 };
 
-// The currents for a force, I = A f + w(|f|) b: what `ForceLimit` describes.   docs/theory/actuation.md (7), (8)
+// The currents for a force, I = A f + w(|f|) b: what `ForceLimit` describes.   docs/theory/actuation.md (4.1), (4.2)
 std::array<double, kCoilCount> CurrentsFor_A(const ForceLimit& limit, const Vec3& force_N) noexcept;
 
 // Heat of the coils with these currents and the copper as warm as it is. NaN where either is.
 double Power_W(const ForceLimit& limit, const std::array<double, kCoilCount>& current_A) noexcept;
 
 // Largest s in [0, most] with start + s step within every coil's current and the total power; negative if there is
-// none or anything is not finite.   docs/theory/actuation.md (12)
+// none or anything is not finite.   docs/theory/actuation.md (5.2)
 double LargestShare(const ForceLimit& limit, const std::array<double, kCoilCount>& start_A,
                     const std::array<double, kCoilCount>& step_A, double most) noexcept;
 

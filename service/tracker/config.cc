@@ -18,7 +18,7 @@ constexpr double kTypicalDistance_m = 0.15;  // from the pen to a sensor
 constexpr double kModelErrorMin = 1e-3;      // of a calibrated base, once its readings have been evaluated
 
 // A position error dp at the distance d looks like 3 dp / d of a dipole's field; never less than the nominal share,
-// which a calibration cannot see in itself (sensors that are not straight).   docs/theory/tracking.md (3)
+// which a calibration cannot see in itself (sensors that are not straight).   docs/theory/tracking.md (3.1)
 double ModelErrorOf(const base::Calibration& calibration, double nominal) {
   if (!(calibration.expected_error_m > 0)) return nominal;
   return std::max(nominal, 3 * calibration.expected_error_m / kTypicalDistance_m);

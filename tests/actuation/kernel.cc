@@ -75,7 +75,7 @@ TEST(ActuationKernel, AllInstructionSetsAreBitIdentical) {
   }
 }
 
-// Sums of docs/theory/actuation.md (2), (5), (9) written out with the matrices of service/magnetics.
+// Sums of docs/theory/actuation.md (2.1), (2.4), (2.5) written out with the matrices of service/magnetics.
 TEST(ActuationKernel, MatchesTheMagneticsFormulas) {
   Rng rng(12);
   const base::DeviceGeometry device = support::NominalDevice();

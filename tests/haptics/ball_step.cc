@@ -12,7 +12,7 @@
 namespace omni::haptics {
 namespace test_haptics_ball_step {
 
-constexpr double kNearest = -2.5 * kBallMargin;  // (12.7), with room for rounding
+constexpr double kNearest = -2.5 * kBallMargin;  // docs/theory/haptics.md (12.7), with room for rounding
 
 std::vector<Corners> CornersOf(const Scene& scene, std::uint32_t object) {
   return CornersOf(Surface(scene, {}), scene.objects()[object]);

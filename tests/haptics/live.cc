@@ -193,7 +193,8 @@ TEST(LiveSculptParametersTest, ParametersStayInRangeForRandomTags) {
   }
 }
 
-// A hand that pulls: the force grows by the resistance for every metre the surface came along.   (5.2)
+// A hand that pulls: the force grows by the resistance for every metre the surface came along. docs/theory/sculpting.md
+// (5.2)
 TEST(LiveSculptParametersTest, ResistanceIsForcePerDisplacement) {
   for (const double resistance_N_m : {50.0, 200.0, 600.0}) {
     Material m = Clay();

@@ -1,4 +1,4 @@
-// The core's remanence after a motion (hysteresis), followed along the pen's path. docs/theory/tracking.md (34)
+// The core's remanence after a motion (hysteresis), followed along the pen's path. docs/theory/tracking.md (9.4)
 #include <gtest/gtest.h>
 
 #include <array>

@@ -30,7 +30,7 @@ CoilHeat::CoilHeat(const Settings& settings) noexcept : body_C_(static_cast<doub
   }
 }
 
-// (14): after a start everything is as warm as the warmest coil, and at least as warm as the air.
+// (3.5): after a start everything is as warm as the warmest coil, and at least as warm as the air.
 void CoilHeat::Start(const Settings& settings, const float (&resistance_ohm)[wire::kCoils]) noexcept {
   double warmest_C = static_cast<double>(settings.air_C);
   for (int k = 0; k < wire::kCoils; ++k) {
@@ -62,7 +62,7 @@ void CoilHeat::Step(const Settings& settings, const CoilSample (&samples)[wire::
   Advance(settings);
 }
 
-// (12), (13): two nodes. The temperature by resistance follows their change and is corrected where there is a
+// (3.3), (3.4): two nodes. The temperature by resistance follows their change and is corrected where there is a
 // measurement, so that it lags neither in a heating nor in a cooling coil.
 void CoilHeat::Advance(const Settings& settings) noexcept {
   const double to_body_W_K = static_cast<double>(settings.copper_to_body_W_K);
@@ -83,7 +83,7 @@ void CoilHeat::Advance(const Settings& settings) noexcept {
   body_C_ += into_body_W * kWindow_s / static_cast<double>(settings.body_J_K);
 }
 
-// (10), (11): V = R I + L dI/dt, summed over the window; changes in between cancel.
+// (3.1), (3.2): V = R I + L dI/dt, summed over the window; changes in between cancel.
 void CoilHeat::FollowResistance(const Settings& settings, int coil, const Window& window) noexcept {
   const float induced_V = settings.coils[coil].inductance_H * (window.last_A - window.first_A) / kStep_s;
   if (!(Abs(induced_V) <= kInducedShare * window.voltage_sum_V)) return;

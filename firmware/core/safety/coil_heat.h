@@ -1,6 +1,6 @@
 // The coils' temperatures by two estimates: by their resistance, wherever the current is large enough to measure, and
-// by a heat model (two nodes: each coil's copper, one body). The hotter one counts. docs/theory/firmware.md (10) to
-// (14)
+// by a heat model (two nodes: each coil's copper, one body). The hotter one counts. docs/theory/firmware.md (3.1) to
+// (3.5)
 #pragma once
 
 #include "firmware/core/link/settings.h"

@@ -1,5 +1,5 @@
 // Which COMMAND may act: newer than all before it, and within its time to live. Sequence numbers wrap after a minute,
-// so the command's host clock is checked as well. docs/theory/firmware.md (26), (27)
+// so the command's host clock is checked as well. docs/theory/firmware.md (8.1), (8.2)
 #pragma once
 
 #include "firmware/wire/messages.h"

@@ -55,7 +55,7 @@ void HallWatch::Handle(const Settings& settings, const Inputs& inputs, int senso
   verdict.fresh |= BitOf(sensor);
 }
 
-// (16): more than a magnet can cause within a sample, and more than the coils' own change explains.
+// (4.2): more than a magnet can cause within a sample, and more than the coils' own change explains.
 bool HallWatch::Jumps(const Settings& settings, int sensor, const std::int16_t (&sample)[3]) const noexcept {
   const float full_scale = static_cast<float>(settings.field_full_scale);
   const float by_coils = kHallCoilDoubt * full_scale / settings.current_max_A * swing_A_;

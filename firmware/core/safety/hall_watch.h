@@ -1,5 +1,5 @@
 // Monitors the Hall sensors, each with its own clock: which samples are new, how old, saturated, and whether a sensor
-// is dead, stuck or jumps. docs/theory/firmware.md (15), (16)
+// is dead, stuck or jumps. docs/theory/firmware.md (4.1), (4.2)
 #pragma once
 
 #include "firmware/core/board_io.h"

@@ -1,5 +1,5 @@
 // A second check of the outputs to the bridges, independent of Drive and of the core's current state: a non-zero duty
-// only while armed, in the self-test, or in the ramp that ends an armed state. docs/theory/firmware.md (29)
+// only while armed, in the self-test, or in the ramp that ends an armed state. docs/theory/firmware.md (6.5)
 #pragma once
 
 #include "firmware/core/board_io.h"

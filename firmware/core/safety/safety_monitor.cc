@@ -70,7 +70,8 @@ void SafetyMonitor::CheckCoils(const Settings& settings, const Observation& seen
   Block(wire::kFaultPower, !(power_W_ <= settings.power_max_W));
 }
 
-// (23) to (25): the current that the measured voltage produces against the measured one; and that against the expected.
+// (7.1) to (7.3): the current that the measured voltage produces against the measured one; and that against the
+// expected.
 void SafetyMonitor::CheckModel(int coil, const Settings& settings, const Observation& seen, const CoilHeat& heat,
                                const Drive& drive) noexcept {
   const float resistance_ohm = heat.resistance_ohm(coil);

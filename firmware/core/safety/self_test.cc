@@ -95,7 +95,7 @@ bool SelfTest::Collect(const Settings& settings, const HallWatch& hall, const Ha
   return is_complete || in_phase_ >= kSamplesTimeout_steps;
 }
 
-// (17): before and after, so that a steady drift cancels. An axis that the pen saturates is not checked.
+// (5.1): before and after, so that a steady drift cancels. An axis that the pen saturates is not checked.
 void SelfTest::JudgeHall(const Settings& settings, Step& step) noexcept {
   const std::uint32_t saturated_mask = rest_.saturated_mask | field_.saturated_mask | again_.saturated_mask;
   for (int i = 0; i < wire::kSensors; ++i) {
@@ -138,7 +138,7 @@ void SelfTest::CoilPhases(const Settings& settings, const CoilSample (&coils)[wi
   if (in_phase_ >= kDrive_steps) JudgeCoil(settings, step);
 }
 
-// (18)
+// (5.2)
 void SelfTest::JudgeCoil(const Settings& settings, Step& step) noexcept {
   const float expected_ohm = ResistanceAt(settings, coil_, settings.air_C);
   const float mean_A = current_sum_A_ / kMeasure_steps;

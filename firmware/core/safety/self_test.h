@@ -1,5 +1,5 @@
 // Before any coil is driven: checks that the Hall sensors show their own test field with the right sign, and that every
-// coil has its resistance and the right sign of the current. docs/theory/firmware.md (17), (18)
+// coil has its resistance and the right sign of the current. docs/theory/firmware.md (5.1), (5.2)
 #pragma once
 
 #include "firmware/core/safety/coil_heat.h"

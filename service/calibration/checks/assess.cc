@@ -37,7 +37,7 @@ void DescribeSensors(const Adjustment& adjustment, Report& report) {
 }
 
 // The least value of the cost has as many degrees of freedom as there are readings, touches and maps, less five a
-// sample: every other unknown brings its own prior. The mean gain is held, hence one more. (9)
+// sample: every other unknown brings its own prior. The mean gain is held, hence one more. (5.1)
 void DescribeFit(const Problem& problem, const Adjustment& adjustment, Report& report) {
   double dof = 1 + adjustment.system.map_readings;
   double touch_square = 0, touches = 0;
@@ -66,7 +66,7 @@ bool IsCalibrated(const Parameters& parameters, int index) {
 }
 
 // Information of the data alone = reduced normal matrix less the priors; an eigenvalue below 1 means less than theirs
-// (10). As many of D are negative as eigenvalues of I - 1 = L D L^T are [Sylvester's law of inertia].
+// (5.2). As many of D are negative as eigenvalues of I - 1 = L D L^T are [Sylvester's law of inertia].
 void DescribeObservability(const Adjustment& adjustment, Report& report) {
   const Parameters& parameters = adjustment.parameters;
   MatrixXd information = Eliminate(adjustment.system, 0).H;
@@ -82,7 +82,7 @@ void DescribeObservability(const Adjustment& adjustment, Report& report) {
 }
 
 // Rotation of all sensors about the core that best fits their displacements, w = (sum [s]^T [s])^-1 sum s x ds: its
-// deviation shows how well the frame is fixed. (11)
+// deviation shows how well the frame is fixed. (5.3)
 double FrameRotation(const Adjustment& adjustment) {
   const Parameters& parameters = adjustment.parameters;
   MatrixXd J = MatrixXd::Zero(3, parameters.size());
@@ -97,7 +97,7 @@ double FrameRotation(const Adjustment& adjustment) {
 }
 
 // A pose follows the array as dp = -H_n^-1 C dx, and the core's centre, from which it is measured: the covariance of x
-// gives the error that remains in poses. (12)
+// gives the error that remains in poses. (5.4)
 double ExpectedError(const Adjustment& adjustment, const MatrixXd& covariance) {
   const Parameters& parameters = adjustment.parameters;
   const auto& samples = adjustment.system.samples;
@@ -115,7 +115,7 @@ double ExpectedError(const Adjustment& adjustment, const MatrixXd& covariance) {
 }
 
 // Of every touch as if the fit had not used it, in standard deviations, rms: r / sqrt(1 - leverage), which a linear fit
-// without it would give; and all touches' share in S. (12a), (12b)
+// without it would give; and all touches' share in S. (5.5), (5.6)
 struct Touches {
   double held_out = 0;
   MatrixXd information;
@@ -148,7 +148,7 @@ Touches CheckTouches(const Problem& problem, const Adjustment& adjustment) {
 }
 
 // Touches that lie closer to the hull than their assumed error leave less of an error than S implies:
-//   S^-1 - (1 - q^2) S^-1 T S^-1,   T: their part of S, q < 1: their rms in deviations                       (12b)
+//   S^-1 - (1 - q^2) S^-1 T S^-1,   T: their part of S, q < 1: their rms in deviations                       (5.6)
 MatrixXd CovarianceByTouches(const Adjustment& adjustment, const Touches& touches) {
   const double left = std::min(1.0, touches.held_out * touches.held_out);
   return adjustment.covariance - (1 - left) * (adjustment.covariance * touches.information * adjustment.covariance);

@@ -1,5 +1,5 @@
 // From an adjustment to its report: residuals, parameters that the data did not determine, remaining error.
-// docs/theory/calibration.md (9) - (12)
+// docs/theory/calibration.md (5.1) - (5.6)
 #pragma once
 
 #include "service/calibration/fit/adjust.h"

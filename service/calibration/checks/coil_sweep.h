@@ -1,5 +1,5 @@
 // Current maps and background of every sensor from a sweep of the coils without the pen. docs/theory/calibration.md
-// (14)
+// (6.2)
 #pragma once
 
 #include <Eigen/Core>
@@ -41,7 +41,7 @@ class CoilSweep {
   base::Result<std::vector<CoilResponse>> Finish() const;
 
  private:
-  // Constant, currents, hysteresis, eddy currents. docs/theory/calibration.md (14)
+  // Constant, currents, hysteresis, eddy currents. docs/theory/calibration.md (6.2)
   static constexpr int kCurrentsAt = 1, kKeptAt = 4, kLagAt = 7, kRegressors = 10;
   static constexpr int kReadings = 3 * base::kSensorCount;
 

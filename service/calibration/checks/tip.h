@@ -1,4 +1,4 @@
-// Where the pen's tip is along its axis, from poses of a pen that is swung about it. docs/theory/calibration.md (15)
+// Where the pen's tip is along its axis, from poses of a pen that is swung about it. docs/theory/calibration.md (7.1)
 #pragma once
 
 #include <span>

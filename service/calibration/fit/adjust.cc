@@ -68,7 +68,7 @@ double Quantile(double share, std::vector<double> values) {
 
 // w = min(1, gate / chi2): samples far beyond the usual misfit lose weight. The usual misfit is the median, so that
 // nothing is thrown away while the array is still wrong; of touches it is the lower third's: a hand that hesitates
-// rests above the hull more than once. (8)
+// rests above the hull more than once. (4.3)
 double Reweigh(const System& system, std::vector<Observation>& observations) {
   std::vector<double> misfit, touch_misfit;
   for (std::size_t n = 0; n < observations.size(); ++n) {

@@ -1,5 +1,5 @@
 // Bundle adjustment: Levenberg-Marquardt on array and samples together, the samples eliminated. Samples that do not fit
-// lose weight. docs/theory/calibration.md (6) - (8), docs/decisions/0009
+// lose weight. docs/theory/calibration.md (4.1) - (4.3), docs/decisions/0009
 #pragma once
 
 #include <Eigen/Core>
@@ -28,7 +28,7 @@ bool SeesSteel(const Adjustment& adjustment);
 // steel if none is seen so either. `problem`: weights of its observations are changed.
 Adjustment Adjust(Problem& problem, Parameters parameters, std::vector<Instant> instants, int iterations_max);
 
-// H and g with the samples eliminated; damping multiplies the diagonals. (7)
+// H and g with the samples eliminated; damping multiplies the diagonals. (4.2)
 struct Reduced {
   Eigen::MatrixXd H;
   Eigen::VectorXd g;

@@ -4,7 +4,7 @@
 namespace omni::calibration {
 
 // Standard deviations, the priors of the adjustment: manufacturing tolerances of the array and what the surroundings do
-// during one recording. docs/theory/calibration.md (3)
+// during one recording. docs/theory/calibration.md (2.1)
 struct Tolerances {
   double sensor_position_m = 1e-3;    // per axis: placement on the board, board in the base
   double sensor_gain = 0.015;         // per axis

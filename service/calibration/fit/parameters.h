@@ -1,5 +1,5 @@
 // The unknowns of an array, in units of their tolerance: the drawing is 0, and every prior has variance 1.
-// docs/theory/calibration.md (3), (4)
+// docs/theory/calibration.md (2.1), (3.1)
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
 // One sensor's reading of the tool against the model, with its derivatives by everything unknown.
-// docs/theory/calibration.md (1), (2)
+// docs/theory/calibration.md (1.1), (1.3)
 #pragma once
 
 #include <Eigen/Core>
@@ -32,7 +32,7 @@ struct ArrayState {
 // remanence_A: its unit, Tolerances::remanence_A.
 ArrayState MakeArrayState(const Parameters& parameters, const base::Calibration& nominal, double remanence_A);
 
-// r = E N (m (direct + kappa image + steel) + ambient) + map (remanence + kept) - y, T. (1)
+// r = E N (m (direct + kappa image + steel) + ambient) + map (remanence + kept) - y, T. (1.1)
 struct Residual {
   Eigen::Vector3d r;
   Eigen::Matrix<double, 3, kOwn> own;

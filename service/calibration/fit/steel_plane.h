@@ -1,4 +1,4 @@
-// What a steel plane under the base, at strength 1, adds at a sensor. docs/theory/calibration.md (3a)
+// What a steel plane under the base, at strength 1, adds at a sensor. docs/theory/calibration.md (2.2)
 #pragma once
 
 #include <Eigen/Core>

@@ -171,7 +171,7 @@ Problem::Problem(const base::Calibration& nominal, std::span<const base::CoilGeo
   }
 }
 
-// Every unknown of the array is 0 with variance 1, and the mean gain is 1. (3), (4)
+// Every unknown of the array is 0 with variance 1, and the mean gain is 1. (2.1), (3.1)
 void Problem::AddPriors(const Parameters& parameters, System& system) const {
   system.H.diagonal().array() += 1;
   system.g += parameters.x();
@@ -188,7 +188,7 @@ namespace {
 constexpr int kCoilUnknowns = 5;  // tilt (2), the core's centre (3)
 
 // Of one coil at a place that is measured from the core: the windings are about the hull's centre; what they induce in
-// the core is about the core's, since a winding's field has no gradient in its middle. (5)
+// the core is about the core's, since a winding's field has no gradient in its middle. (3.2)
 struct CoilAt {
   const magnetics::CoilMoments& winding;
   const magnetics::CoilMoments& core;
@@ -212,7 +212,8 @@ struct CoilAt {
 
 }  // namespace
 
-// A measured map against the coil's shape at the sensor: strength E N B_k(s; axis), B_k with the steel's response. (5)
+// A measured map against the coil's shape at the sensor: strength E N B_k(s; axis), B_k with the steel's response.
+// (3.2)
 void Problem::AddMaps(const Parameters& parameters, System& system) const {
   constexpr int n = kSensorUnknowns, all = n + 1 + kCoilUnknowns + 2;
   const Tolerances& t = parameters.tolerances();
@@ -318,7 +319,7 @@ Vector3d Problem::CoreCurrents_A(const Instant& instant) const {
 }
 
 // The core's remanence is dragged behind its moment like a stone on a string whose length is the greatest remanence.
-// (1a)
+// (1.2)
 void Problem::FollowCore(const Parameters& parameters, std::span<const Instant> instants) {
   if (!follows_core()) return;
   Way way;

@@ -1,5 +1,5 @@
 // The normal equations of the whole recording: array unknowns on one side, each sample's own unknowns on the other.
-// docs/theory/calibration.md (1), (5) - (7)
+// docs/theory/calibration.md (1.1), (3.2), (4.1), (4.2)
 #pragma once
 
 #include <Eigen/Core>
@@ -106,7 +106,7 @@ class Problem {
 };
 
 inline constexpr double kGaugeWeight = 1e6;  // the mean gain is 1 within 1e-3 tolerances
-// The direction in which all gains grow together: not observable beside the moment, held at zero. (4)
+// The direction in which all gains grow together: not observable beside the moment, held at zero. (3.1)
 Eigen::VectorXd GainScaleDirection(const Parameters& parameters);
 
 }  // namespace omni::calibration

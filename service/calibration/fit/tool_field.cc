@@ -45,7 +45,7 @@ FieldAtSensor::FieldAtSensor(const Vector3d& sensor_base_m, double core_radius_m
     : sensor_base_m_(sensor_base_m), core_radius_m_(core_radius_m) {}
 
 // B_image(s) = -g^3 M B(s') - (a/r^2) (phi(s') - phi(0)) n,   g = a/r, M = I - 2 n n^T, s' = g^2 s, and with
-// ds'/ds = g^2 M, dn/ds = P/r, P = I - n n^T, its derivative by s.                  docs/theory/tracking.md (1)
+// ds'/ds = g^2 M, dn/ds = P/r, P = I - n n^T, its derivative by s.                  docs/theory/tracking.md (2.1)
 void FieldAtSensor::AddImage(const magnetics::DiscMagnet& unit, double kappa, const ToolFrame& tool,
                              ToolField& field) const noexcept {
   const double r = sensor_base_m_.norm();

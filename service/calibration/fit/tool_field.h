@@ -1,5 +1,5 @@
 // The tool's field with all derivatives that calibration needs: by pose, sensor position, moment, core. The tracker's
-// model (docs/theory/tracking.md (1)), written for derivatives rather than for speed.
+// model (docs/theory/tracking.md (2.1)), written for derivatives rather than for speed.
 #pragma once
 
 #include <Eigen/Core>
@@ -42,7 +42,7 @@ class FieldAtSensor {
   double core_radius_m_;
 };
 
-// Clearance of the magnet and the hull with its derivative by the pose. docs/theory/tracking.md (13)
+// Clearance of the magnet and the hull with its derivative by the pose. docs/theory/tracking.md (8.1)
 struct HullGap {
   double gap_m = 0;
   Eigen::Matrix<double, 1, 5> by_pose = Eigen::Matrix<double, 1, 5>::Zero();

@@ -1,5 +1,5 @@
 // Readings of a moving pen at one instant: a parabola through a short window of scans, each sensor at its own sample
-// times, read off in the window's middle. Averages noise without smearing the motion. docs/theory/calibration.md (13)
+// times, read off in the window's middle. Averages noise without smearing the motion. docs/theory/calibration.md (6.1)
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// The axis part of the filter. docs/theory/tracking.md (10) - (12)
+// The axis part of the filter. docs/theory/tracking.md (7.1), (7.2)
 #pragma once
 
 #include "service/tracker/filter/filter.h"

@@ -1,6 +1,6 @@
 // Filter of the tool's pose with three models of the hand's motion: at rest, at constant velocity, and manoeuvring (it
 // starts, stops or turns). Each has its own estimate, weighted by its probability. Position: six states, full
-// covariance; axis: two per tangent, isotropic. docs/theory/tracking.md (10) - (12)
+// covariance; axis: two per tangent, isotropic. docs/theory/tracking.md (7.1) - (7.5)
 #pragma once
 
 #include <array>

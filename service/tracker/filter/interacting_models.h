@@ -1,5 +1,5 @@
 // Several models of one motion, of which one holds at a time and another may follow [interacting multiple models; Blom,
-// Bar-Shalom 1988; Bar-Shalom, Li, Kirubarajan 2001, 11.6.6]. docs/theory/tracking.md (10)
+// Bar-Shalom 1988; Bar-Shalom, Li, Kirubarajan 2001, 11.6.6]. docs/theory/tracking.md (7.3)
 #pragma once
 
 #include <algorithm>

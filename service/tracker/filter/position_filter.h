@@ -1,4 +1,4 @@
-// The position part of the filter. docs/theory/tracking.md (10) - (11)
+// The position part of the filter. docs/theory/tracking.md (7.1), (7.2)
 #pragma once
 
 #include <Eigen/Core>

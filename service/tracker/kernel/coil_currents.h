@@ -1,5 +1,5 @@
 // The coils' currents at each sensor's own instant: interpolated between the control steps where the base reports them,
-// else along the straight line from one tick's mean to the next. docs/theory/tracking.md (5)
+// else along the straight line from one tick's mean to the next. docs/theory/tracking.md (4.1)
 #pragma once
 
 #include <array>

@@ -15,7 +15,7 @@ inline constexpr int kNuisancesMax = 6;  // of one scan: three currents, three c
 inline constexpr int kParameters = 5;    // position x, y, z (m); turn of the axis along e1, e2 (rad)
 
 // Where eight sensors are, and how the core answers there: the image of a sensor s at s' = (a/|s|)^2 s, n = s/|s|, and
-// kappa (a/|s|)^3, kappa a/|s|^2. Without a core they are zero. docs/theory/tracking.md (1)
+// kappa (a/|s|)^3, kappa a/|s|^2. Without a core they are zero. docs/theory/tracking.md (2.1)
 template <class Real>
 struct alignas(64) SensorPlaces {
   Real position_base_m[3][kBlockSensors];
@@ -81,7 +81,7 @@ struct BlockField {
 
 inline constexpr int kGridLanes = 8;  // places of the search side by side
 
-// What the search needs of one scan, reading by reading (3 i + axis). docs/theory/tracking.md (8)
+// What the search needs of one scan, reading by reading (3 i + axis). docs/theory/tracking.md (6.2)
 struct ScoreTask {
   int readings = 0;
   int nuisances = 0;

@@ -1,4 +1,4 @@
-// The kernel's arithmetic, once for all widths and both precisions. docs/theory/tracking.md (1), (4), (6)
+// The kernel's arithmetic, once for all widths and both precisions. docs/theory/tracking.md (2.1), (3.2), (4.2)
 #pragma once
 
 #include "service/tracker/kernel/kernel_fields.h"

@@ -156,7 +156,7 @@ inline LanePotential<Real, kCount> CentrePotential(const ToolSource<Real>& tool,
 }
 
 // What the core adds at a sensor s, from the tool's field and potential at the sensor's own image s' = (a/|s|)^2 s
-// (Kelvin inversion, docs/theory/tracking.md (1)):
+// (Kelvin inversion, docs/theory/tracking.md (2.1)):
 //   kappa (a/|s|)^3 (2 (n.B') n - B') - kappa a/|s|^2 (phi' - phi_0) n,   n = s/|s|
 template <class Real>
 inline void AddReflected(const Lane3<Real>& n, Lane<Real> field_gain, Lane<Real> potential_gain, const Lane3<Real>& B,

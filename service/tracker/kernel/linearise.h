@@ -23,7 +23,7 @@ struct NormalEquations {
 KernelPose ToKernel(const PosePoint& pose, const std::array<double, 3>& velocity_base_m_s,
                     const std::array<double, 3>& axis_rate_base_1_s) noexcept;
 
-// S: BasicMeasurement::nuisance_covariance. docs/theory/tracking.md (4)
+// S: BasicMeasurement::nuisance_covariance. docs/theory/tracking.md (3.2)
 void Eliminate(const KernelTask& task, const KernelSums& sums,
                const std::array<double, std::size_t{kNuisancesMax} * kNuisancesMax>& S,
                NormalEquations& result) noexcept;

@@ -29,7 +29,7 @@ CoilField CoilsAt(const Model& model, std::size_t i, const CurrentInstant& coils
 }
 
 // Adds sensor i. y_i = B_i - A_i I_i - background; the axes of a sensor share the variance
-//   systematic = (eps |y_i|)^2 + (eps_c |A_i I|)^2 + (|A_i dI/dt| age error)^2          docs/theory/tracking.md (3)
+//   systematic = (eps |y_i|)^2 + (eps_c |A_i I|)^2 + (|A_i dI/dt| age error)^2          docs/theory/tracking.md (3.1)
 template <int kCapacity>
 double AddSensor(const Model& model, const Trust& trust, const base::Vec3& B, unsigned saturated_axes,
                  const CoilField& coils, const std::array<double, 3>& offset_variance_T2, std::size_t i,

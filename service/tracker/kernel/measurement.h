@@ -10,7 +10,7 @@
 
 namespace omni::tracker {
 
-// How far readings and currents are to be trusted. docs/theory/tracking.md (3), (4)
+// How far readings and currents are to be trusted. docs/theory/tracking.md (3.1), (3.2)
 struct Trust {
   double model_error_relative = 2e-3;    // of the tool's field: calibration of gain, alignment, position, moment
   double coil_error_relative = 2.5e-3;   // of the coils' field: the same, and windings
@@ -31,7 +31,8 @@ Trust NoiseOnly() noexcept;
 using NuisanceMatrix = std::array<double, std::size_t{kNuisancesMax} * kNuisancesMax>;
 
 // One scan, whitened: weight = diag(1/sigma) gain per sensor (zero row: that axis is not used), so that a residual is
-// weight * B_model - whitened. Rates move the pose back to each sensor's own instant. docs/theory/tracking.md (4), (6)
+// weight * B_model - whitened. Rates move the pose back to each sensor's own instant. docs/theory/tracking.md (3.2),
+// (4.2)
 template <int kCapacity>
 struct BasicMeasurement {
   using Lanes = std::array<double, kCapacity>;

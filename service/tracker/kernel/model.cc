@@ -17,7 +17,7 @@ constexpr double kFieldMax_T = 1e3;  // of sensors whose range is not known
 
 using Eigen::Vector3d;
 
-// s' = (a/r)^2 s, n = s/r, kappa (a/r)^3, kappa a/r^2. docs/theory/tracking.md (1)
+// s' = (a/r)^2 s, n = s/r, kappa (a/r)^3, kappa a/r^2. docs/theory/tracking.md (2.1)
 void PlaceSensor(const base::Calibration& calibration, const Vector3d& s, std::size_t lane,
                  SensorPlaces<double>& places) {
   const double r = s.norm();

@@ -30,14 +30,14 @@ enum class Rung : std::uint8_t {
 };
 
 // A steel plane under the base of an Omni: the images in it of its sensors and of the core's centre, the latter in
-// every lane. docs/theory/tracking.md (21)
+// every lane. docs/theory/tracking.md (12.1)
 struct SteelMirror {
   double strength = 0;  // 0: none
   SensorPlaces<double> sensors{}, centre{};
 };
 
 // Prior covariance K of the non-uniform field of objects near the base of an Omni; readings 8 axis + sensor.
-// docs/theory/tracking.md (22)
+// docs/theory/tracking.md (13.1)
 struct StrayPrior {
   std::array<double, std::size_t{kReadings} * kReadings> covariance_T2{};
 };

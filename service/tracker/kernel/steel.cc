@@ -105,8 +105,8 @@ bool SteelMatters(const Model& model) noexcept {
 
 // With J, D the derivatives of the pen's field and of steel's answer, whitened, and x0 the pose `expected`: the fit x
 // satisfies J (x - x*) = D (x* - x0), so that with G = (J^T J)^-1 J^T D
-//   x* = x0 + (1 + G)^-1 (x - x0),   C* = (1 + G)^-1 C (1 + G)^-T                         docs/theory/tracking.md (21)
-//   (1 + G)^-1 = (J^T J + J^T D)^-1 J^T J
+//   x* = x0 + (1 + G)^-1 (x - x0),   C* = (1 + G)^-1 C (1 + G)^-T                         docs/theory/tracking.md
+//   (12.1) (1 + G)^-1 = (J^T J + J^T D)^-1 J^T J
 void CorrectForSteel(const Model& model, const Measurement& measurement, const Pose& expected,
                      const SteelResponse& answer, Fit& fit) noexcept {
   BlockField tool;

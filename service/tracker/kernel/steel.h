@@ -1,4 +1,4 @@
-// The response of a steel plane under the base to the pen's field. docs/theory/tracking.md (21)
+// The response of a steel plane under the base to the pen's field. docs/theory/tracking.md (12.1)
 #pragma once
 
 #include "service/tracker/kernel/measurement.h"

@@ -90,7 +90,7 @@ void WidenZeros(const AwayOptions& options, std::int64_t t_ns, Away& away) noexc
   away.zero_ns = t_ns;
 }
 
-// x <- x + k rest, k = P / (P + R), P <- (1 - k) P                                       docs/theory/tracking.md (29)
+// x <- x + k rest, k = P / (P + R), P <- (1 - k) P                                       docs/theory/tracking.md (14.3)
 void LearnZeros(const AwayOptions& options, const Rows& rest_T, Away& away) noexcept {
   const double gain = away.zero_variance_T2 / (away.zero_variance_T2 + Square(options.window_error_T));
   for (std::size_t row = 0; row < rest_T.size(); ++row) away.zero_T[row] += gain * rest_T[row];

@@ -1,6 +1,6 @@
 // Learns from readings while no pen is near: the uniform field as it is now, and each sensor's own zero, which drifts
 // with its temperature. Never a magnet's field, whose gradient over the sensors stands out. docs/theory/tracking.md
-// (27) - (29)
+// (14.1) - (14.3)
 #pragma once
 
 #include <array>

@@ -63,7 +63,7 @@ bool EliminatePose(const Measurement& measurement, const KernelSums& sums, Drift
 }
 
 // A scan sees its three currents' own errors, variance V, on top of the states that look like them: their share is
-// not evidence of the states.   docs/theory/tracking.md (17)
+// not evidence of the states.   docs/theory/tracking.md (9.5)
 //   I' = I - I_c (I_cc + V^-1)^-1 I_c^T,   g' = g - I_c (I_cc + V^-1)^-1 g_c
 bool AllowForCurrents(DriftEvidence& evidence) noexcept {
   const auto V = AsVector(evidence.current_variance_A2);
@@ -182,7 +182,7 @@ void SetAmbientVariance(double variance_T2, DriftState& drift) noexcept {
 }  // namespace
 
 // A play operator: x is dragged behind the core's moment m like a stone on a string,   x <- d min(1, k / |d|),   d = x
-// - dm        (34)
+// - dm        (9.4)
 void FollowCore(const DriftNoise& noise, const std::array<double, base::kCoilCount>& coil_current_A,
                 const PenPlace* pen, DriftState& drift) noexcept {
   const bool known = noise.core_kept_A > 0 && pen != nullptr, follows = known && drift.core_followed;
@@ -228,7 +228,7 @@ void WidenAmbient(double variance_T2, DriftState& drift) noexcept {
   drift.still = {};
 }
 
-//   1 / n = step (|v| / length + |du/dt| / angle + 1 / time)      docs/theory/tracking.md (18)
+//   1 / n = step (|v| / length + |du/dt| / angle + 1 / time)      docs/theory/tracking.md (9.6)
 double RepeatsOf(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept {
   const auto norm = [](const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); };
   const double change_1_s = norm(measurement.velocity_base_m_s) / noise.same_error_m +

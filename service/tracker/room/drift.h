@@ -1,6 +1,6 @@
 // What changes slowly and is the same for many scans: field kept by the core (as currents), ambient field since the
 // background was measured, and the magnet's moment (0.12 % per kelvin). Seven states, estimated from scans whose pose
-// is eliminated. docs/theory/tracking.md (14) - (16)
+// is eliminated. docs/theory/tracking.md (9.1) - (9.3)
 #pragma once
 
 #include <array>
@@ -84,11 +84,11 @@ void FollowCore(const DriftNoise& noise, const std::array<double, base::kCoilCou
 // anywhere.
 void PredictDrift(const DriftNoise& noise, std::int64_t t_ns, const PenPlace* pen, DriftState& drift) noexcept;
 
-// Number of scans, step_s apart, in which the model's own error is the same: n of (18).
+// Number of scans, step_s apart, in which the model's own error is the same: n of (9.6).
 double RepeatsOf(const DriftNoise& noise, const Measurement& measurement, double step_s) noexcept;
 
 // Share of new information in each of `repeats` scans if that error is the share `systematic` of their variance: f of
-// (18).
+// (9.6).
 double EvidenceShare(double repeats, double systematic) noexcept;
 
 // `sums`: of a fit of a measurement with the columns of AddAmbientColumns; step_s: since the evidence before.

@@ -1,6 +1,6 @@
 // Readings as a uniform field, known shapes, a field that changes evenly over the base, and the rest: what comes from
 // far away, what the core keeps, what comes from not so far, and what each sensor has by itself.
-// docs/theory/tracking.md (27), (28)
+// docs/theory/tracking.md (14.1), (14.2)
 #pragma once
 
 #include <array>

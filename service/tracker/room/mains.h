@@ -1,5 +1,5 @@
 // The field of mains: a tone of 50 or 60 Hz and its third harmonic, the same at all sensors. Learnt from the scans'
-// evidence of the ambient field. docs/theory/tracking.md (30), (31)
+// evidence of the ambient field. docs/theory/tracking.md (9.9), (9.10)
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // What disturbs all sensors in a known shape but by an unknown amount: errors of the three currents (or the currents
-// themselves; the core's remanence looks the same), and a uniform ambient field. docs/theory/tracking.md (4)
+// themselves; the core's remanence looks the same), and a uniform ambient field. docs/theory/tracking.md (3.2)
 #pragma once
 
 #include <array>

@@ -24,7 +24,7 @@ double NoiseIn(const Models<Estimate>& models, const VarianceOf& variance) noexc
 }
 
 // As large as the noise, but with the velocity-to-position ratio of the constant-velocity model: that says how far the
-// filter lags (3.3); it lags less whenever another model takes over.
+// filter lags (docs/theory/haptics.md (3.3)); it lags less whenever another model takes over.
 base::PointNoise Scaled(const base::PointNoise& moving, double noise_m2) noexcept {
   const double share = std::min(1.0, noise_m2 / moving.position_m2);
   return {share * moving.position_m2, share * moving.cross_m2_s, share * moving.velocity_m2_s2};

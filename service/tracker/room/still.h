@@ -1,5 +1,5 @@
 // A pen that lies still: the model's error there is the same in every scan, so that scans show changes only, and these
-// as exactly as their noise allows. docs/theory/tracking.md (32)
+// as exactly as their noise allows. docs/theory/tracking.md (9.7)
 #pragma once
 
 #include <array>

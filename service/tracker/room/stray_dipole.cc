@@ -172,7 +172,7 @@ double Innovation(const Matrix6& A, const Vector6& e, const Matrix6& P) noexcept
   return e.dot((A + A * P * A).ldlt().solve(e)) / kN;
 }
 
-// The sensor whose gain, if it is wrong, explains most, and what of the misfit that saves.  (33)
+// The sensor whose gain, if it is wrong, explains most, and what of the misfit that saves.  (13.5)
 struct WrongGain {
   int sensor = -1;
   double saved = 0;

@@ -1,5 +1,5 @@
 // One magnet nearby, another pen say, as a dipole: its position and moment, found from the scans' evidence of offsets
-// in their readings, then followed from scan to scan. docs/theory/tracking.md (25), (26)
+// in their readings, then followed from scan to scan. docs/theory/tracking.md (13.4), (13.6)
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // The non-uniform field of objects near the base, such as another pen, a phone or a laptop: one offset for every
 // reading, estimated from scans whose pose is eliminated. One magnet, once it is found, is followed as a dipole.
-// docs/theory/tracking.md (22) - (26)
+// docs/theory/tracking.md (13.1) - (13.6)
 #pragma once
 
 #include <array>

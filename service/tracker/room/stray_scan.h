@@ -1,5 +1,5 @@
 // The scans' evidence of offsets in their readings, with pose, currents, ambient field and moment eliminated.
-// docs/theory/tracking.md (23)
+// docs/theory/tracking.md (13.2)
 #pragma once
 
 #include <array>

@@ -20,7 +20,7 @@ constexpr std::size_t kPlacesMax = 4000;
 constexpr double kCellFloor_m = 4e-3;
 
 // Shells between contact and the far end of the haptic reach, 12 directions on a Fibonacci spiral over the upper
-// hemisphere and a little below. docs/theory/tracking.md (9)
+// hemisphere and a little below. docs/theory/tracking.md (6.3)
 std::vector<Vector3d> AroundHull() {
   constexpr int kDirections = 12;
   constexpr double kRadii_m[] = {0.050, 0.082, 0.135};

@@ -1,5 +1,5 @@
 // The places that a cold start searches, and the readings that the magnet would cause at each. Set-up only.
-// docs/theory/tracking.md (8), (9)
+// docs/theory/tracking.md (6.2), (6.3)
 #pragma once
 
 #include <vector>

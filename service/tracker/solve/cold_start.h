@@ -1,4 +1,4 @@
-// Finds the tool without a hint. docs/theory/tracking.md (8), (9)
+// Finds the tool without a hint. docs/theory/tracking.md (6.2), (6.3)
 #pragma once
 
 #include "service/tracker/solve/solver.h"

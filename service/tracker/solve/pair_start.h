@@ -1,5 +1,5 @@
 // A cold start beside another magnet, a second pen say: pen and magnet together, found in one scan that no pose
-// explains. One bounded step a scan. docs/theory/tracking.md (35)
+// explains. One bounded step a scan. docs/theory/tracking.md (14.4)
 #pragma once
 
 #include <array>

@@ -68,7 +68,7 @@ class StaticSolver {
 };
 
 // chi2_max of 19 degrees of freedom scaled to others: the mean and as many standard deviations.
-// docs/theory/tracking.md (7)
+// docs/theory/tracking.md (6.1)
 double ChiSquareGate(double chi2_max, int dof) noexcept;
 
 }  // namespace omni::tracker

@@ -40,7 +40,7 @@ MomentEvidence MomentAt(const ScanContext& context, const DriftState& drift, Mea
 }
 
 // Pose and moment of a pen of which nothing is known, from `start`: Gauss-Newton steps of the moment, each at the best
-// pose. False: they lead nowhere.   docs/theory/tracking.md (37)
+// pose. False: they lead nowhere.   docs/theory/tracking.md (10.2)
 bool FollowMoment(const ScanContext& context, const Doubt& doubt, const Pose& start, DriftState& drift,
                   Measurement& measurement, Fit& fit, Magnet& magnet) noexcept {
   const Config& config = context.config;

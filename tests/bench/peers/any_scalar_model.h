@@ -1,5 +1,5 @@
-// The measurement model docs/theory/tracking.md (1), written again for any scalar, so that it accepts dual numbers. It
-// shares only formulas with the tracker's kernel: agreement of both is a test of both.
+// The measurement model docs/theory/tracking.md (2.1), written again for any scalar, so that it accepts dual numbers.
+// It shares only formulas with the tracker's kernel: agreement of both is a test of both.
 #pragma once
 
 #include <Eigen/Core>

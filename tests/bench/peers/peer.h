@@ -1,5 +1,5 @@
 // Third-party solvers on the tracker's own problem, so that a benchmark compares solvers and not problems: the same
-// readings, the same whitening, the same model (docs/theory/tracking.md (1)) unless stated otherwise. Every peer is
+// readings, the same whitening, the same model (docs/theory/tracking.md (2.1)) unless stated otherwise. Every peer is
 // built once and then solves scan after scan on one thread. Not for the tick: they allocate.
 #pragma once
 
@@ -16,7 +16,7 @@ inline constexpr int kPeerReadings = tracker::kReadings;
 inline constexpr int kPeerNuisances = tracker::kNuisancesMax;
 
 // One static scan as residuals: r = D F(pose) - y with D = diag(1/sigma), then r - U (U^T r): disturbances of all
-// sensors in a known shape are eliminated. docs/theory/tracking.md (4)
+// sensors in a known shape are eliminated. docs/theory/tracking.md (3.2)
 struct PeerScan {
   std::array<double, kPeerReadings> inverse_sigma{};                    // 1/T; 0: not used
   std::array<double, kPeerReadings> whitened{};                         // y = D (the tool's share of the reading)
