@@ -5,7 +5,7 @@
 //   bytes before it
 //
 // Unknown trailing bytes of a payload are ignored (a newer minor version may append fields); another version is
-// refused, except in HELLO, whose layout never changes: both sides can tell which of them is older.
+// refused, except in HELLO, whose layout never changes: both sides can see which of them is older.
 #pragma once
 
 #include <cstddef>

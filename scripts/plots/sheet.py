@@ -15,7 +15,7 @@ from matplotlib.transforms import Bbox
 
 from plots.documents import word
 
-# Colours that most eyes can tell apart [Okabe & Ito]; text in GREY is readable on white.
+# Colours that most eyes can distinguish [Okabe & Ito]; text in GREY is readable on white.
 OURS, OTHER, DARK, GREY, PALE = "#0072b2", "#d55e00", "#222222", "#666666", "#a0a0a0"
 DASHED, DOTTED, DASHDOT = (0, (5, 2)), (0, (1.2, 1.6)), (0, (6, 2, 1.2, 2))
 WIDTH_PT, POINTS_PER_INCH = 450, 72  # 600 pixels wide

@@ -6,7 +6,7 @@
 namespace omni::daemon {
 namespace {
 
-constexpr std::size_t kPatternMax = 160;  // characters that tell kinds apart
+constexpr std::size_t kPatternMax = 160;  // characters that distinguish kinds
 
 std::string PatternOf(std::string_view line) {
   std::string pattern;

@@ -226,12 +226,12 @@ Touched Touch(const Scene& scene, const StiffnessBound& bound, const Input& inpu
   const Vec3 tip = input.device_point_base_m;
   if (IsStill(scene, input, state) && (!input.tracked || StillFar(tip, state))) return {};
   const bool live_materials = !input.materials.empty() || state.materials[0].material != kNoIndex;
-  const bool felt_anew = live_materials && ChangeMaterials(scene, input, AnyContact(state), state);
+  const bool changed_feel = live_materials && ChangeMaterials(scene, input, AnyContact(state), state);
   const ContactScene contact_scene(scene, input, state);
   Touched touched;
   const Vec3 on_changed_N = contact_scene.anything_moves() ? ForceOnChanged(contact_scene, state) : Vec3{};
   if (contact_scene.anything_moves()) RebindContacts(contact_scene, state);
-  touched.moving = contact_scene.anything_moves() || !RegionsRest(scene, state) || felt_anew;
+  touched.moving = contact_scene.anything_moves() || !RegionsRest(scene, state) || changed_feel;
   if (touched.moving) state.far_distance_m = 0;
   ContactForces forces;
   RegionTouches touches{};

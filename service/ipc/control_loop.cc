@@ -313,7 +313,7 @@ std::size_t ControlLoop::CountGreeted() const {
       std::count_if(peers_.begin(), peers_.end(), [](const auto& entry) { return entry.second.greeted(); }));
 }
 
-void ControlLoop::TellOfThrow(const char* name, Peer* peer, const std::string& what) {
+void ControlLoop::ReportThrow(const char* name, Peer* peer, const std::string& what) {
   log_.Write(std::string("internal error in ") + name + ": " + what, base::MonotonicNow_ns());
   if (peer != nullptr) peer->Doom("internal error in omnid; see its log");
 }

@@ -59,12 +59,12 @@ class ControlLoop {
     try {
       return call();
     } catch (const std::exception& error) {
-      TellOfThrow(name, peer, error.what());
+      ReportThrow(name, peer, error.what());
     } catch (...) {
-      TellOfThrow(name, peer, "an unknown exception");
+      ReportThrow(name, peer, "an unknown exception");
     }
   }
-  void TellOfThrow(const char* name, Peer* peer, const std::string& what);
+  void ReportThrow(const char* name, Peer* peer, const std::string& what);
 
   ServerOptions options_;
   ServerHandler& handler_;

@@ -176,7 +176,7 @@ base::Vec3 Mix(const base::Vec3& rest_N, const base::Vec3& vibration_N, const ba
 // Below this share of a cold device's currents: warm.
 constexpr double kWarmBelow = 0.9;
 
-void TellLimits(const TickConfig& config, const base::ForceLimit& limit, TickOutput& output) noexcept {
+void PublishLimits(const TickConfig& config, const base::ForceLimit& limit, TickOutput& output) noexcept {
   output.near_singular = limit.near_singular;
   output.out_of_reach = !(limit.valid && limit.force_max_N > 0);
   for (std::size_t k = 0; k < base::kCoilCount; ++k) {
@@ -235,7 +235,7 @@ void Tick(const TickConfig& config, const base::HallScan& scan, const Commands& 
   // On a pose that is only held the force may fall, but not rise.
   const bool held = output.tool.status != base::TrackingStatus::kTracking;
   NarrowLimit(config.limiter, PoseTrust(config.limiter, PoseError_m(tool)), held ? 0.0 : dt_s, limit);
-  TellLimits(config, limit, output);
+  PublishLimits(config, limit, output);
   const double delay_s = 1e-9 * static_cast<double>(scan.response_ns);
   const double share = state.gate * std::clamp(commands.force_scale, 0.0, 1.0);
   haptics::ActingForce acting = ActingForceOf(scan, limit, share);

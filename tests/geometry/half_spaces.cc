@@ -18,7 +18,7 @@ bool IsInside(const Vec3& p, const std::vector<HalfSpace>& spaces, double tolera
                      [&](const HalfSpace& s) { return Dot(s.normal, p) >= s.offset - tolerance; });
 }
 
-// Nearest point of the planes' common line or point; false if they are too nearly parallel to tell.
+// Nearest point of the planes' common line or point; false if they are too nearly parallel.
 bool OnPlanes(const Vec3& goal, const std::vector<HalfSpace>& planes, Vec3& p) {
   const auto n = static_cast<Eigen::Index>(planes.size());
   Eigen::MatrixXd normals(n, 3);

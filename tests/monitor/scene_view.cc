@@ -113,7 +113,7 @@ TEST_F(SceneViewFile, EqualNamesDoNotMixObjects) {
 }
 
 // A model of any size comes into reach; scale and offset say how, for omnid to do the same.
-TEST_F(SceneViewFile, FitTellsWhatItDid) {
+TEST_F(SceneViewFile, FitReportsWhatItDid) {
   for (const double size_m : {0.001, 0.02, 3.0}) {
     const std::string path = Save(Tetrahedra(1, "large", size_m));
     scene::LoadOptions options;

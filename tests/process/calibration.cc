@@ -27,7 +27,7 @@ constexpr const char* kNear = R"({"name": "near", "repeat": false, "waypoints": 
 constexpr const char* kAway = R"({"name": "away", "repeat": false, "waypoints": [
   {"s": 0, "tip_m": [0, 0, 0.6], "axis": [0, 0, -1]}, {"s": 60, "tip_m": [0, 0, 0.6], "axis": [0, 0, -1]}]})";
 
-// What a perfect calibration of a base built to workshop tolerances would find, labelled as that of the twin with seed
+// What a perfect calibration of a base with manufacturing tolerances would find, labelled as that of the twin with seed
 // 1.
 config::CalibrationFile CalibrationOf(const sim::ImperfectionSizes& sizes, std::uint64_t seed) {
   const sim::Rig rig(config::DefaultDevice(), {.seed = seed, .sizes = sizes});

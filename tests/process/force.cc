@@ -15,7 +15,7 @@ TEST(ProcessForce, ExpiredDurationEndsTheForce) {
   app.Push(40'000'000);
   const std::int64_t end_ns = app.last_push_ns() + 40'000'000;
   app.Run(500, 5);  // alive, but without further requests
-  const double ms = StopAndTellTimeToZero_ms(service, "the deadman's end", end_ns);
+  const double ms = StopAndPrintTimeToZero_ms(service, "the deadman's end", end_ns);
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }
@@ -29,7 +29,7 @@ TEST(ProcessForce, LosingFocusEndsForceAndConstraint) {
   const std::int64_t lost_ns = base::MonotonicNow_ns();
   ASSERT_TRUE(app.connection().SendSession(protocol::SessionState::kBegun));
   app.Run(500, 5);
-  const double ms = StopAndTellTimeToZero_ms(service, "focus loss", lost_ns);
+  const double ms = StopAndPrintTimeToZero_ms(service, "focus loss", lost_ns);
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }
@@ -42,7 +42,7 @@ void ExpectKillEndsTheForce(bool pushes, const char* what) {
   const std::int64_t killed_ns = base::MonotonicNow_ns();
   app.Kill();
   SleepMs(500);
-  const double ms = StopAndTellTimeToZero_ms(service, what, killed_ns);
+  const double ms = StopAndPrintTimeToZero_ms(service, what, killed_ns);
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }
@@ -65,7 +65,7 @@ TEST(ProcessForce, SilentApplicationEndsTheConstraint) {
   app.Stop();
   SleepMs(600);
   app.Kill();
-  const double ms = StopAndTellTimeToZero_ms(service, "the last sign of life", stopped_ns, 550);
+  const double ms = StopAndPrintTimeToZero_ms(service, "the last sign of life", stopped_ns, 550);
   EXPECT_GE(ms, 40) << "it must bear a hitch of the application";
   EXPECT_LE(ms, 100);
 }

@@ -37,7 +37,7 @@ bool SetFocus(State& state, bool focus) {
 
 bool SetUserPresence(State& state, bool present) {
   state.world.user_present = present;
-  ForEachSession(state, [&state](Session& session) { TellUserPresence(state, session); });
+  ForEachSession(state, [&state](Session& session) { SendUserPresence(state, session); });
   return true;
 }
 
@@ -56,7 +56,7 @@ XrReferenceSpaceType SpaceNamed(std::string_view name) {
 namespace {
 
 // Sends every session the event that `space` moves at `when`, with the world's new origin.
-void TellChange(State& state, XrReferenceSpaceType space, XrTime when, bool reported) {
+void SendSpaceChange(State& state, XrReferenceSpaceType space, XrTime when, bool reported) {
   const XrBool32 known = reported ? XR_TRUE : XR_FALSE;
   const XrPosef before = state.world.OriginAt(space, when - 1);
   const XrPosef in_previous = Normalized(Compose(Inverse(before), state.world.OriginAt(space, when)));
@@ -76,8 +76,8 @@ bool Recenter(State& state, XrReferenceSpaceType space, const XrPosef& pose, XrD
   if (!movable || !IsValid(pose) || delay_ns < 0) return false;
   const XrTime when = Now() + delay_ns;
   state.world.Recenter(space, pose, when);
-  TellChange(state, space, when, reported);
-  if (space == XR_REFERENCE_SPACE_TYPE_LOCAL) TellChange(state, kLocalFloor, when, reported);
+  SendSpaceChange(state, space, when, reported);
+  if (space == XR_REFERENCE_SPACE_TYPE_LOCAL) SendSpaceChange(state, kLocalFloor, when, reported);
   return true;
 }
 

@@ -75,7 +75,7 @@ void SetSessionState(Session& session, XrSessionState next) {
                                                          Handles::As<XrSession>(session.handle), next, Now()});
 }
 
-void TellUserPresence(const State& state, Session& session) {
+void SendUserPresence(const State& state, Session& session) {
   if (session.lost || !session.instance->Enabled(XR_EXT_USER_PRESENCE_EXTENSION_NAME)) return;
   const XrBool32 is_present = state.world.user_present ? XR_TRUE : XR_FALSE;
   Push(*session.instance, XrEventDataUserPresenceChangedEXT{XR_TYPE_EVENT_DATA_USER_PRESENCE_CHANGED_EXT, nullptr,

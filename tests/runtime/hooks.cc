@@ -148,9 +148,9 @@ int omni_test_hold_images(int held) {
   });
 }
 
-int omni_test_tell_velocities(int reported) {
+int omni_test_report_velocities(int reported) {
   return Alone([&](auto& state) {
-    state.world.tells_velocities = reported != 0;
+    state.world.has_velocities = reported != 0;
     return true;
   });
 }

@@ -79,7 +79,7 @@ int omni_test_number_models(uint64_t first);
 // What every xrCreateInstance returns from now on: an error, or XR_SUCCESS for no such whim.
 int omni_test_refuse_instances(int result);
 // 0: no velocity is ever valid, as with runtimes that do not know them.
-int omni_test_tell_velocities(int reported);
+int omni_test_report_velocities(int reported);
 // 1: the display keeps reading every swapchain image, so that xrWaitSwapchainImage times out; 0: it is done.
 int omni_test_hold_images(int held);
 // The hand that XR_EXT_hand_tracking sees; `pose` of the palm in STAGE, null to keep it.

@@ -48,7 +48,7 @@ XrResult BeginSession(XrSession session, const XrSessionBeginInfo* info) {
   owner->running = true;
   owner->frame_waited = owner->frame_begun = owner->in_step = false;
   owner->next_frame = 0;
-  TellUserPresence(state, *owner);
+  SendUserPresence(state, *owner);
   return XR_SUCCESS;
 }
 

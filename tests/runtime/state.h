@@ -114,7 +114,7 @@ void Push(Instance& instance, const Event& event) {
 }
 void SetSessionState(Session& session, XrSessionState state);
 // [XrEventDataUserPresenceChangedEXT] where the instance enabled the extension: when it changes, and at each begin.
-void TellUserPresence(const State& state, Session& session);
+void SendUserPresence(const State& state, Session& session);
 // Lets sessions follow World::focus.
 void ApplyFocus(State& state);
 

@@ -30,7 +30,7 @@ void World::Reset() {
   head_time = now;
   local_origins.assign(1, {0, {{0, 0, 0, 1}, {0, kEyeHeight_m, 0}}});
   stage_origins.assign(1, {0, kIdentity});
-  has_stage = has_timespec = tells_velocities = true;
+  has_stage = has_timespec = has_velocities = true;
   has_shapes = holds_images = false;
   has_models = user_present = true;
   first_model = 1;

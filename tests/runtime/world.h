@@ -71,14 +71,14 @@ struct World {
   Hand hands[kHands];
   Origins local_origins;
   Origins stage_origins;
-  bool has_stage = true;         // false: there is no STAGE
-  bool has_shapes = false;       // vibrations with a shape: XR_FB_haptic_amplitude_envelope, XR_FB_haptic_pcm
-  bool has_timespec = true;      // false: new instances cannot convert times
-  bool has_models = true;        // false: new instances cannot enable XR_EXT_render_model
-  uint64_t first_model = 1;      // the least id of render models from now on
-  bool tells_velocities = true;  // false: no XrSpaceVelocity is ever valid
-  bool holds_images = false;     // true: the display keeps reading every swapchain image
-  bool user_present = true;      // the headset is worn
+  bool has_stage = true;       // false: there is no STAGE
+  bool has_shapes = false;     // vibrations with a shape: XR_FB_haptic_amplitude_envelope, XR_FB_haptic_pcm
+  bool has_timespec = true;    // false: new instances cannot convert times
+  bool has_models = true;      // false: new instances cannot enable XR_EXT_render_model
+  uint64_t first_model = 1;    // the least id of render models from now on
+  bool has_velocities = true;  // false: no XrSpaceVelocity is ever valid
+  bool holds_images = false;   // true: the display keeps reading every swapchain image
+  bool user_present = true;    // the headset is worn
   bool focus = true;
   XrResult creation = XR_SUCCESS;  // what xrCreateInstance returns, if it is an error
   uint32_t next_epoch = 1;

@@ -376,7 +376,7 @@ class Drawings(unittest.TestCase):
         self.assertLess(again.omni["coils"][0]["shell_radius_max_m"],
                         again.omni["hull"]["hull_radius_m"] - again.build["hull"]["wall_m"])
 
-    def test_the_fuse_tells_a_short_from_work(self):
+    def test_the_fuse_blows_by_a_short_not_by_work(self):
         again = Again()
         supply, limits = again.build["supply"], again.omni["limits"]
         for k in range(3):

@@ -1,4 +1,4 @@
-// A base that was never calibrated, as a workshop makes it, on a desk: the pen is there from the first scan, and the
+// A base that was never calibrated, as usually built, on a desk: the pen is there from the first scan, and the
 // field around the base is unknown. Judged by the twin's truth.
 #include <gtest/gtest.h>
 

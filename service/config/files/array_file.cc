@@ -137,7 +137,7 @@ void ReadCoils(FileProblem& problem, TableReader& root, ArrayFile& into) {
   }
 }
 
-// What single ranges cannot tell; empty: nothing.
+// What single ranges cannot show; empty: nothing.
 std::string Contradiction(const ArrayFile& file) {
   const Calibration& array = file.calibration;
   if (array.core_radius_m > 0 && array.hull_radius_m > 0 && !(array.core_radius_m < array.hull_radius_m)) {

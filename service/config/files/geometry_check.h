@@ -1,4 +1,4 @@
-// Whether the numbers of a device fit together: what single ranges cannot tell.
+// Whether the numbers of a device fit together: what single ranges cannot show.
 #pragma once
 
 #include <string>

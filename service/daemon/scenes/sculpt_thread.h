@@ -88,7 +88,7 @@ class SculptThread {
     std::uint64_t client = 0;
     std::string file;
     std::shared_ptr<const haptics::Scene> scene;
-    std::vector<Bench> benches;  // as the scene's workshops
+    std::vector<Bench> benches;  // as the scene's sculpt sessions
     bool read = false;           // by the tick
     bool broken = false;         // an edit ran out of memory: it is not edited any more
 

@@ -9,7 +9,7 @@
 namespace omni::device {
 namespace {
 
-constexpr std::int64_t kAskHelloAgain_ns = 100'000'000;
+constexpr std::int64_t kHelloRetry_ns = 100'000'000;
 constexpr std::int64_t kCommandTtl_ns = std::int64_t{kCommandTimeToLive_ms} * 1'000'000;
 constexpr std::int64_t kRepeat_ns = 5'000'000;  // a resting tick writes only every 16 ms, and the base waits for 20
 constexpr std::int64_t kRest_ns = 100'000'000;  // a tick that writes nothing for so long is not resting but stuck
@@ -229,7 +229,7 @@ void UsbSession::KeepNote(const wire::FrameView& view) noexcept {
 
 std::size_t UsbSession::RequestHello(std::int64_t t_ns, std::uint8_t* frame, std::size_t capacity) noexcept {
   if (t_ns < hello_next_ns_) return 0;
-  hello_next_ns_ = t_ns + kAskHelloAgain_ns;
+  hello_next_ns_ = t_ns + kHelloRetry_ns;
   wire::Header header;
   header.type = wire::MessageType::kHello;
   header.seq = seq_++;

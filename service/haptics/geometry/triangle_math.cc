@@ -75,7 +75,7 @@ ClosestPoint ClosestOnTriangle(const Corners& c, const Vec3& p) noexcept {
   return result;
 }
 
-// The line becomes the z axis by a shear; 2D edge functions then tell on which side of each edge it passes. Rounding
+// The line becomes the z axis by a shear; 2D edge functions then show on which side of each edge it passes. Rounding
 // can make an edge function zero but never give it the wrong sign, so no gap opens at edges and vertices [Woop, Benthin
 // & Wald, Watertight Ray/Triangle Intersection, JCGT 2013]. On which side of the plane an end point lies depends on
 // that point alone: the end of one segment and the start of the next agree, and no crossing falls between.

@@ -1,6 +1,6 @@
 // The tick's side of sculpting: press the surface until it is held, then push or pull; it yields like wax, and messages
-// tell the editor by how much. While held, the tool's own force replaces the contact's, so nothing the editor does to
-// the surface can kick the pen. docs/theory/sculpting.md, section 5.
+// report to the editor by how much. While held, the tool's own force replaces the contact's, so nothing the editor does
+// to the surface can kick the pen. docs/theory/sculpting.md, section 5.
 #pragma once
 
 #include "service/haptics/sculpt/sculpt_state.h"

@@ -69,7 +69,7 @@ std::vector<ViewMaterial> MaterialsOf(const haptics::SceneInput& input) {
   return materials;
 }
 
-// Object of each name. Empty: the names do not tell the objects apart, or one is of no part.
+// Object of each name. Empty: the names do not distinguish the objects, or one is of no part.
 std::map<std::string, std::int32_t> ObjectsByName(const haptics::SceneInput& input,
                                                   const std::vector<scene::DrawnPart>& parts) {
   std::map<std::string, std::int32_t> objects;

@@ -64,7 +64,7 @@ void PublishMotion(FilterState& state) {
 }
 
 // p <- p,   v <- 0,   P_pp <- P_pp + R min(w dt / r, g),   r the largest variance in R: a wander that is slow against
-// the noise in each direction, or the best known direction would tell rest from motion
+// the noise in each direction, or the best known direction would decide the state
 void Rest(const FilterNoise& noise, double dt_s, const std::array<double, 9>& white_m2, Motion& motion) {
   const double worst_m2 = std::max({white_m2[0], white_m2[4], white_m2[8]});
   const double share = worst_m2 > 0 ? std::min(noise.rest_wander_m2_s * dt_s / worst_m2, noise.rest_wander_share) : 0;

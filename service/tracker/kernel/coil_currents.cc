@@ -14,7 +14,7 @@ constexpr double kLeak_s = 1e-7;       // per tick: 100 ppm
 constexpr double kCurrentMax_A = 1e3;  // a larger value is no current
 constexpr double kSteps_Hz = base::kStepsPerTick / base::kTickPeriod_s;
 
-bool TellsSteps(const base::HallScan& scan) noexcept {
+bool HasSteps(const base::HallScan& scan) noexcept {
   return scan.has_steps != 0 && scan.tick_lead_ns >= 0 && scan.tick_lead_ns <= 2 * base::kTickPeriod_ns &&
          std::all_of(scan.step_current_A.begin(), scan.step_current_A.end(), &ArePlausible);
 }
@@ -59,7 +59,7 @@ CurrentHistory Remember(const base::HallScan& scan, const CurrentHistory& previo
   now.t_ns = scan.t_ns;
   now.sequence = scan.sequence;
   now.coil_current_A = scan.coil_current_A;
-  now.has_steps = TellsSteps(scan);
+  now.has_steps = HasSteps(scan);
   if (!now.has_steps) {
     now.stamp_lead_s = LearntLead_s(scan, previous);
     return now;

@@ -334,7 +334,7 @@ DriftEvidence GatherEvidence(const DriftNoise& noise, const Measurement& measure
 // scan was linearised with the prior mean already subtracted, so that the prior pulls towards no change.
 AmbientEvidence CorrectDrift(const DriftNoise& noise, DriftEvidence evidence, DriftState& drift) noexcept {
   if (!evidence.valid || !AllowForCurrents(evidence)) return {};
-  TellChange(noise.still, drift.covariance, drift.still, evidence);
+  ReduceToChange(noise.still, drift.covariance, drift.still, evidence);
   const AmbientEvidence ambient = OfAmbient(evidence, drift);
   LearnWander(noise, ambient, evidence.systematic_share, drift);
   DriftMatrix& covariance = drift.still.referenced ? drift.still.covariance : drift.covariance;

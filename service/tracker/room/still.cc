@@ -68,8 +68,8 @@ double ForgottenOf(const StillOptions& options, double dt_s, const PenPlace* pen
   return times;
 }
 
-void TellChange(const StillOptions& options, const DriftMatrix& covariance, StillPen& still,
-                DriftEvidence& evidence) noexcept {
+void ReduceToChange(const StillOptions& options, const DriftMatrix& covariance, StillPen& still,
+                    DriftEvidence& evidence) noexcept {
   const double gathered_s = still.still_s - options.settle_s;
   if (gathered_s < 0) return;
   if (still.gathers && gathered_s < options.reference_max_s) {

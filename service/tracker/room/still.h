@@ -48,7 +48,7 @@ double ForgottenOf(const StillOptions& options, double dt_s, const PenPlace* pen
 
 // A scan of a pen that lies still: adds it to the reference, or reduces its evidence to what has changed since then.
 // covariance: of the states themselves.
-void TellChange(const StillOptions& options, const DriftMatrix& covariance, StillPen& still,
-                DriftEvidence& evidence) noexcept;
+void ReduceToChange(const StillOptions& options, const DriftMatrix& covariance, StillPen& still,
+                    DriftEvidence& evidence) noexcept;
 
 }  // namespace omni::tracker

@@ -1,7 +1,7 @@
 // Hours in a room that changes: the ambient field wanders, magnet and sensors warm up and cool down. In every minute
 // the pen is waved for some seconds, each time on another path; the time without a pen is skipped, and one loop runs
 // through all of it. All its state (filter, moment, ambient field, doubts, clock, gate) must follow and must not
-// diverge. The base is of workshop quality, calibrated by the whole of `omni calibrate` before the hours begin. A
+// diverge. The base is as usually built, calibrated by the whole of `omni calibrate` before the hours begin. A
 // simulation.
 #include <algorithm>
 #include <cmath>

@@ -23,7 +23,7 @@ constexpr double kCalibrating_s = 100;
 constexpr double kSettle_s = 0.2, kWarm_s = 10;
 constexpr double kSawtooth_s = 0.5;
 
-// A base of workshop quality with all effects of the twin, faster than usual: the pen warms by 10 K and the background
+// A base as usually built, with all effects of the twin, faster than usual: the pen warms by 10 K and the background
 // drifts by its 5 mG within the run; during calibration, within a hundred seconds.
 base::TruthParameters HardTruth(double run_s) {
   base::TruthParameters truth = config::IdealTwin();

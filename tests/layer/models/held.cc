@@ -19,7 +19,7 @@ class Models : public testing::Test {
   }
 };
 
-// The whole story of one hand, for either hand: controller, pen, controller, pen.
+// Whoever holds a hand in turn, for either hand: controller, pen, controller, pen.
 TEST_F(Models, InteractionModelsAreOfWhoHoldsTheHand) {
   for (const std::string side : {"right", "left"}) {
     SetUp();

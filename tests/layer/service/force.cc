@@ -110,7 +110,7 @@ void ExpectZeroSoonAfter(ServiceProcess& service, ForkedForceApp& app, const cha
   SleepMs(500);
   app.Kill();
   ASSERT_NE(app.reported(), 0);
-  const double ms = StopAndTellTimeToZero_ms(service, what, app.reported());
+  const double ms = StopAndPrintTimeToZero_ms(service, what, app.reported());
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }
@@ -177,7 +177,7 @@ TEST(ForceStack, KilledApplicationEndsForceAndConstraint) {
   app.Kill();
   ASSERT_NE(app.reported(), 0);
   SleepMs(500);
-  const double ms = StopAndTellTimeToZero_ms(service, "kill -9 of an OpenXR application", killed_ns);
+  const double ms = StopAndPrintTimeToZero_ms(service, "kill -9 of an OpenXR application", killed_ns);
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }

@@ -279,8 +279,8 @@ TEST(HapticSceneStack, KilledApplicationReleasesItsScene) {
                              [](SceneApp&) {});
   second.Kill();
   EXPECT_NE(second.reported(), 0) << "the next application touches a scene of its own";
-  const double ms = StopAndTellTimeToZero_ms(service, "kill -9 of a scene's application", killed_ns,
-                                             1e-6 * static_cast<double>(next_ns - killed_ns));
+  const double ms = StopAndPrintTimeToZero_ms(service, "kill -9 of a scene's application", killed_ns,
+                                              1e-6 * static_cast<double>(next_ns - killed_ns));
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }
@@ -298,7 +298,7 @@ TEST(HapticSceneStack, LosingFocusEndsSceneForce) {
   SleepMs(500);
   child.Kill();
   ASSERT_NE(child.reported(), 0);
-  const double ms = StopAndTellTimeToZero_ms(service, "a scene's application lost focus", child.reported());
+  const double ms = StopAndPrintTimeToZero_ms(service, "a scene's application lost focus", child.reported());
   EXPECT_GE(ms, 0);
   EXPECT_LE(ms, 50);
 }
@@ -313,7 +313,7 @@ TEST(HapticSceneStack, ForceFadesWhenApplicationIsStopped) {
   SleepMs(900);
   child.Kill();
   ASSERT_NE(child.reported(), 0);
-  const double ms = StopAndTellTimeToZero_ms(service, "a stop of a scene's application", stopped_ns, 850);
+  const double ms = StopAndPrintTimeToZero_ms(service, "a stop of a scene's application", stopped_ns, 850);
   EXPECT_GE(ms, 200) << "it must bear a hitch of the application";
   EXPECT_LE(ms, 450);
 }

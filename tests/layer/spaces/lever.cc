@@ -102,7 +102,7 @@ TEST_F(SpacesTest, VelocityInViewIsInvalidIfRuntimeReportsNone) {
   Start(app);
   const XrSpace view = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW);
   const XrSpace stage = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_STAGE);
-  ASSERT_EQ(omni_test_tell_velocities(0), 0);
+  ASSERT_EQ(omni_test_report_velocities(0), 0);
   service.Fill();
   const std::int64_t t = Now_ns() - 20'000'000;
   EXPECT_EQ(Locate(pen, local, t).velocity.velocityFlags, layer::kVelocityValid);

@@ -29,7 +29,7 @@ void FillJoint(const Located& located, XrHandJointLocationEXT& out) {
 }
 
 void FillJointVelocity(const World& world, const Located& located, XrHandJointVelocityEXT& out) {
-  const bool known = located.valid && world.tells_velocities;
+  const bool known = located.valid && world.has_velocities;
   out.velocityFlags = known ? XR_SPACE_VELOCITY_LINEAR_VALID_BIT | XR_SPACE_VELOCITY_ANGULAR_VALID_BIT : 0;
   out.linearVelocity = known ? located.motion.linear_m_s : XrVector3f{0, 0, 0};
   out.angularVelocity = known ? located.motion.angular_rad_s : XrVector3f{0, 0, 0};

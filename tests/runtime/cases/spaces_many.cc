@@ -150,7 +150,7 @@ TEST_F(ManySpacesTest, SpaceChangeAppliesAtChangeTime) {
 }
 
 TEST_F(ManySpacesTest, VelocitiesCanBeSwitchedOff) {
-  ASSERT_EQ(omni_test_tell_velocities(0), 0);
+  ASSERT_EQ(omni_test_report_velocities(0), 0);
   const Where where = Locate(view_, stage_);
   EXPECT_TRUE(where.valid());
   EXPECT_EQ(where.velocity.velocityFlags, 0U);

@@ -205,8 +205,8 @@ inline double StopAndTimeToZero_ms(ServiceProcess& service, std::int64_t t_ns, d
 }
 
 // The same, printed as a figure named `what`; the coils must have been pushing until then.
-inline double StopAndTellTimeToZero_ms(ServiceProcess& service, const char* what, std::int64_t t_ns,
-                                       double horizon_ms = kWholeRecording_ms) {
+inline double StopAndPrintTimeToZero_ms(ServiceProcess& service, const char* what, std::int64_t t_ns,
+                                        double horizon_ms = kWholeRecording_ms) {
   EXPECT_EQ(service.Stop(), 0);
   const auto truth = service.Truth();
   if (!truth.has_value()) return -1;

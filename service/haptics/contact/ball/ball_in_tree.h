@@ -264,7 +264,7 @@ class BallDescent {
     return {nearest.triangle, nearest.closest, Normalized(centre_ - nearest.closest.point), share};
   }
 
-  // Touched in too many places to tell what a move would hit: held, unless it is clearly free.
+  // Touched in too many places to know what a move would hit: held, unless it is clearly free.
   BallContact Held() noexcept {
     const bool is_free = NearestInTree(view_, root_, target_, radius_m_ - margin_m_).triangle == kNoIndex &&
                          CrossingInTree(view_, root_, centre_, target_, true).triangle == kNoIndex;

@@ -241,11 +241,11 @@ export class Hand {
   private ask(): void {
     if (this.frame !== 0) return;
     this.framed_ms = performance.now();
-    this.frame = requestAnimationFrame(() => this.tell());
+    this.frame = requestAnimationFrame(() => this.update());
   }
 
   // Once per frame: what the held keys do, and the aim, if it is another one.
-  private tell(): void {
+  private update(): void {
     this.frame = 0;
     const now = performance.now();
     const seconds = Math.min(0.1, (now - this.framed_ms) / 1000);
