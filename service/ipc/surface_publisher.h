@@ -1,5 +1,5 @@
-// Writer of one surface memory (protocol/surface_memory.h). Created and written by one thread, never the tick's; the
-// descriptor may be passed on by another.
+// Writer of one surface memory (protocol/surfaces/surface_memory.h). Created and written by one thread, never the
+// tick's; the descriptor may be passed on by another.
 #pragma once
 
 #include <cstdint>

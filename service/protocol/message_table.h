@@ -2,7 +2,7 @@
 // receiver gets (messages.h), who may send which, and how it is sent. To add a message, add its row here, its
 // structure, the function that checks it, and its handler: the compiler names each missing place.
 //
-//   name         the structure on the wire is protocol::name, its number MessageType::kname
+//   name         the structure on the wire, in protocol; with a k before it its number, in MessageType
 //   number       never changes, never used again
 //   received     the structure that a receiver is handed: the same, or one that also has what follows it
 //   descriptors  at most so many come along

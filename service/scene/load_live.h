@@ -1,5 +1,6 @@
 // Makes all parts of a scene that change while it is in use, before it is in use: for callers that can wait, as tools
-// can. The service hands a scene to the tick first and its soft bodies when they are ready (daemon/scene_builder.cc).
+// can. The service hands a scene to the tick first and its soft bodies when they are ready
+// (daemon/scenes/scene_builder.cc).
 #pragma once
 
 #include <cstdint>

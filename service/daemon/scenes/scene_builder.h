@@ -63,8 +63,8 @@ struct SceneJob {
 
 class SceneBuilder {
  public:
-  // `cache_folder`: stores built scenes (scene/cache_store.h); empty: no cache. `soft_tets`: of a soft body, at most
-  // [100, 400000]; more take longer to compute.
+  // `cache_folder`: stores built scenes (scene/cache/cache_store.h); empty: no cache. `soft_tets`: of a soft body, at
+  // most [100, 400000]; more take longer to compute.
   explicit SceneBuilder(double hull_radius_m, std::string cache_folder = {},
                         std::uint32_t soft_tets = scene::kSoftTets);
   ~SceneBuilder();

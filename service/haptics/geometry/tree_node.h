@@ -9,7 +9,7 @@ namespace omni::haptics {
 inline constexpr int kTreeWidth = 8;
 inline constexpr int kPacketSize = 4;
 inline constexpr int kMaxTreeDepth =
-    24;  // nodes from root to leaf, guaranteed by BuildTree: stacks in the tick are fixed
+    24;  // nodes from root to leaf, guaranteed by tree_build.cc: stacks in the tick are fixed
 
 // What a child is: an inner node, or a leaf (a packet). Unused children have boxes that nothing intersects.
 inline constexpr std::uint32_t kLeafBit = 0x80000000;   // the rest is the index of a packet, else of a node

@@ -1,5 +1,6 @@
 // Edits a scene's sculpted surfaces in the loop's own time, as the service's thread does in real time
-// (daemon/sculpt_thread.h): runs that play the same then give the same bits. A stroke that is refused changes nothing.
+// (daemon/scenes/sculpt_thread.h): runs that play the same then give the same bits. A stroke that is refused changes
+// nothing.
 #pragma once
 
 #include "service/haptics/live/live_parts.h"

@@ -71,7 +71,7 @@ inline void Start() noexcept {
 inline std::uint32_t Cycles() noexcept { return Word(kCycles); }
 }  // namespace dwt
 
-// At least that long, at any core clock up to `clock_Hz`; for set-up and for fault handling.
+// At least that long, at any core clock up to `clock_MHz`; for set-up and for fault handling.
 inline void Spin(std::uint32_t microseconds, std::uint32_t clock_MHz = 600) noexcept {
   const std::uint32_t begin = dwt::Cycles();
   while (dwt::Cycles() - begin < microseconds * clock_MHz) {
