@@ -86,7 +86,8 @@ TEST(ToolsSceneEdit, WithoutServiceExitsWithItsStatusAndRemedy) {
 TEST(ToolsSceneEdit, StatusShowsSoftBodyProgress) {
   json status = json::parse(R"({"scene": {"name": "s.glb", "sculpted": 1,
                                "soft_bodies": {"objects": 2, "ready": 1, "failed": 0, "done": 0.437}}})");
-  EXPECT_NE(StatusText(status).find("1 of 2 soft bodies ready, 43 %; layers until then\n"), std::string::npos)
+  EXPECT_NE(StatusText(status).find("1 of 2 soft bodies ready, 43 %; a simple model is used until then\n"),
+            std::string::npos)
       << StatusText(status);
   EXPECT_NE(StatusText(status).find("1 object; see `omni scene edits`"), std::string::npos);
   status["scene"]["soft_bodies"] = {{"objects", 2}, {"ready", 1}, {"failed", 1}, {"done", 1.0}};

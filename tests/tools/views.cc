@@ -30,10 +30,11 @@ TEST(ToolsStatus, ShowsEveryFieldOfTheServiceStatus) {
     "clients": [{"id": 3, "pid": 77, "application": "game", "session": "focused", "owner": true, "scene": "/s/d.glb"}],
     "scene": {"name": "/s/d.glb", "generation": 4, "triangles": 12000},
     "aligned": false, "problems": ["20-x.toml:3: bad"]})");
-  ExpectHas(StatusText(status), {"0.1.0", "pid 42", "1:02:05", "twin (a simulation)", "3 missed", "2 late", "12.3 us",
-                                 "612 us after the sample", "refused: SCHED_FIFO refused", "(1.0, 2.0, 61.3) mm",
-                                 "gap 20.3 mm", "0.08", "(0.00, 0.00, 1.25) N, in contact", "\"game\" (pid 77)",
-                                 "focused", "owns the force", "12000 triangles", "not aligned", "20-x.toml:3: bad"});
+  ExpectHas(StatusText(status),
+            {"0.1.0", "pid 42", "1:02:05", "twin (a simulation)", "3 missed", "2 late", "12.3 us",
+             "612 us after the sample", "refused: SCHED_FIFO refused", "(1.0, 2.0, 61.3) mm",
+             "magnet 20.3 mm from the hull", "0.08", "(0.00, 0.00, 1.25) N, in contact", "\"game\" (pid 77)", "focused",
+             "controls the force", "12000 triangles", "not aligned", "20-x.toml:3: bad"});
 }
 
 TEST(ToolsStatus, SimulationIsTheFirstLine) {
@@ -107,7 +108,7 @@ WatchFrame Frame() {
 TEST(ToolsWatch, ShowsPoseBarsContactInputsAndRate) {
   const std::string screen = WatchScreen(Frame(), 80);
   ExpectHas(screen, {"tracked", "+1.2", "-3.4", "+56.7", "30.0 mm", "1.00 N", "CONTACT", "presses 17", "1000 Hz",
-                     "5 late", "33.3 us", "twin (a simulation)", "game (owns the force)"});
+                     "5 late", "33.3 us", "twin (a simulation)", "game (controls the force)"});
   // Half of 60 mm and half of 2 N: half full bars of 46 characters.
   ExpectHas(screen, {(std::string(23, '#') + std::string(23, '-')).c_str()});
 }

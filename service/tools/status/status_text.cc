@@ -52,8 +52,8 @@ std::string Duration(double seconds) {
 std::string DeviceLine(const json& status) {
   const std::string name = DeviceName(status);
   if (name == "-") return "none: " + TextAt(status, "/device/absent");
-  std::string text =
-      name + ", " + TextAt(status, "/device/received") + " scans, " + TextAt(status, "/device/missed") + " missed";
+  std::string text = name + ", " + TextAt(status, "/device/received") + " measurements, " +
+                     TextAt(status, "/device/missed") + " missed";
   for (const json& fault : ArrayAt(status, "/device/faults")) {
     text += ", fault: " + (fault.is_string() ? protocol::Printable(fault.get<std::string>()) : fault.dump());
   }
@@ -62,10 +62,10 @@ std::string DeviceLine(const json& status) {
 }
 
 std::string TickLine(const json& status) {
-  return TextAt(status, "/tick/count") + " ticks, " + TextAt(status, "/tick/late") + " late; median " +
-         TextAt(status, "/tick/us_median", 1) + " us, p99 " + TextAt(status, "/tick/us_p99", 1) + " us, max " +
-         TextAt(status, "/tick/us_max", 1) + " us; the base applies new currents " +
-         TextAt(status, "/tick/response_us", 0) + " us after the sample";
+  return TextAt(status, "/tick/count") + " ticks of 1 ms, " + TextAt(status, "/tick/late") +
+         " late; computing time median " + TextAt(status, "/tick/us_median", 1) + " us, p99 " +
+         TextAt(status, "/tick/us_p99", 1) + " us, max " + TextAt(status, "/tick/us_max", 1) +
+         " us; the base applies new currents " + TextAt(status, "/tick/response_us", 0) + " us after the sample";
 }
 
 // "omni-tick, omni-control": those that have it now, whoever gave it to them.
@@ -87,8 +87,8 @@ std::string RealtimeLine(const json& status) {
 
 std::string TrackingLine(const json& status) {
   return TextAt(status, "/tracking/status") + ", tip " + Vector(ArrayAt(status, "/tracking/position_m"), 1e3, "%.1f") +
-         " mm in the base frame, gap " + Millimetres(NumberAt(status, "/tracking/gap_m")) + " mm, sigma " +
-         TextAt(status, "/tracking/sigma_mm", 2) + " mm";
+         " mm from the base's centre, magnet " + Millimetres(NumberAt(status, "/tracking/gap_m")) +
+         " mm from the hull, uncertainty " + TextAt(status, "/tracking/sigma_mm", 2) + " mm";
 }
 
 std::string ForceLine(const json& status) {
@@ -99,8 +99,8 @@ std::string ForceLine(const json& status) {
 std::string SceneLine(const json& status) {
   const std::string name = TextAt(status, "/scene/name");
   if (name == "-" || name.empty()) return "none";
-  return name + ", " + TextAt(status, "/scene/triangles") + " triangles, generation " +
-         TextAt(status, "/scene/generation");
+  return name + ", " + TextAt(status, "/scene/triangles") + " triangles, number " +
+         TextAt(status, "/scene/generation") + " since omnid started";
 }
 
 // Empty: the scene has no soft body.
@@ -111,7 +111,8 @@ std::string SoftLine(const json& status) {
   std::string text = TextAt(status, "/scene/soft_bodies/ready") + " of " +
                      TextAt(status, "/scene/soft_bodies/objects") + " soft bodies ready";
   if (done < 1)
-    text += ", " + std::to_string(static_cast<int>(100 * std::clamp(done, 0.0, 1.0))) + " %; layers until then";
+    text += ", " + std::to_string(static_cast<int>(100 * std::clamp(done, 0.0, 1.0))) +
+            " %; a simple model is used until then";
   if (NumberAt(status, "/scene/soft_bodies/failed") > 0) {
     text += ", " + TextAt(status, "/scene/soft_bodies/failed") + " failed (see problems)";
   }
@@ -169,7 +170,7 @@ std::string ClientLine(const json& client) {
   if (TrueAt(client, "/monitor"))
     return "monitor \"" + TextAt(client, "/application") + "\" (pid " + TextAt(client, "/pid") + ")";
   return "\"" + TextAt(client, "/application") + "\" (pid " + TextAt(client, "/pid") + "), session " +
-         TextAt(client, "/session") + (TrueAt(client, "/owner") ? ", owns the force" : "") + ", scene " +
+         TextAt(client, "/session") + (TrueAt(client, "/owner") ? ", controls the force" : "") + ", scene " +
          TextAt(client, "/scene");
 }
 

@@ -40,8 +40,8 @@ std::string PoseLines(const WatchFrame& frame, int bar) {
   const auto& p = s.position_base_m;
   const auto u = TipDirection(s.orientation_base_wxyz);
   std::string text = Printed("pen       %s\n", PoseWord(frame));
-  text += Printed("tip       x %+7.1f  y %+7.1f  z %+7.1f mm   sigma %.2f mm\n", p[0] * 1e3, p[1] * 1e3, p[2] * 1e3,
-                  s.position_sigma_m * 1e3);
+  text += Printed("tip       x %+7.1f  y %+7.1f  z %+7.1f mm   uncertainty %.2f mm\n", p[0] * 1e3, p[1] * 1e3,
+                  p[2] * 1e3, s.position_sigma_m * 1e3);
   text += Printed("points to x %+7.3f  y %+7.3f  z %+7.3f\n", u[0], u[1], u[2]);
   text += Printed("speed     %7.1f mm/s\n", Length(s.linear_velocity_base_m_s) * 1e3);
   text += Printed("gap       %7.1f mm  ", s.gap_m * 1e3) + Bar(s.gap_m, kGapShown_m, bar) + "\n";
@@ -74,7 +74,8 @@ std::string ServiceLines(const WatchFrame& frame) {
     text += "\ndevice    " + DeviceName(frame.status);
     for (const nlohmann::json& client : ArrayAt(frame.status, "/clients")) {
       if (!TrueAt(client, "/monitor")) {
-        text += "\nclient    " + TextAt(client, "/application") + (TrueAt(client, "/owner") ? " (owns the force)" : "");
+        text +=
+            "\nclient    " + TextAt(client, "/application") + (TrueAt(client, "/owner") ? " (controls the force)" : "");
       }
     }
   }
