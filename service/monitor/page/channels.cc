@@ -9,8 +9,6 @@ namespace {
 using protocol::TelemetrySample;
 using protocol::ToolSample;
 
-float Single(double value) { return static_cast<float>(value); }
-
 // The tool's axis in the base frame: -z of the tool frame.
 std::array<double, 3> AxisOf(const ToolSample& sample) {
   const auto& [w, x, y, z] = sample.orientation_base_wxyz;

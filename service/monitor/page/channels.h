@@ -19,4 +19,7 @@ struct Channel {
 
 std::span<const Channel> Channels() noexcept;
 
+// The page gets single precision.
+inline float Single(double value) { return static_cast<float>(value); }
+
 }  // namespace omni::monitor
