@@ -9,17 +9,35 @@
 #include "service/base/tool_state.h"
 #include "service/loop/tick.h"
 #include "service/monitor/page/bit_names.h"
+#include "service/monitor/page/page_layout.h"
 #include "service/protocol/sample_range.h"
 #include "tests/monitor/contract/contract_text.h"
 
 namespace omni::monitor {
 namespace test_monitor_page_contract {
 
-TEST(PageContract, IsUpToDate) {
-  std::ifstream file(OMNI_SOURCE_DIR "/service/page/src/contract.ts");
+std::string TextOf(const std::string& path) {
+  std::ifstream file(OMNI_SOURCE_DIR "/" + path);
   std::ostringstream text;
   text << file.rdbuf();
-  EXPECT_EQ(text.str(), ContractText()) << "build/release/bin/page_contract > service/page/src/contract.ts";
+  return text.str();
+}
+
+TEST(PageContract, IsUpToDate) {
+  const std::string program = "build/release/bin/page_contract";
+  EXPECT_EQ(TextOf("service/page/src/contract.ts"), ContractTypes()) << program << " > service/page/src/contract.ts";
+  EXPECT_EQ(TextOf("docs/protocol/page.json"), ContractJson()) << program << " --json > docs/protocol/page.json";
+}
+
+// The layout of a dropped file is that of the server's reader.
+TEST(PageContract, DroppedFileIsReadByItsLayout) {
+  PageBytes out(64);
+  PutDrop(out, "a.glb", "glTF01234567");
+  const std::string message = out.Take();
+  const DroppedFile file = ReadDroppedFile(message);
+  EXPECT_EQ(file.problem, "");
+  EXPECT_EQ(file.name, "a.glb");
+  EXPECT_EQ(file.bytes, "glTF01234567");
 }
 
 std::uint32_t AllOf(std::span<const BitName> names) {

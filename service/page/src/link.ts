@@ -1,4 +1,5 @@
 // The connection to omni monitor: asks for its version, opens the WebSocket, and opens it again when it was lost.
+import { kKind, kMagic } from './contract';
 import { decode } from './decode';
 import { kProtocol } from './types';
 import type { BinaryMessage, Request, TextMessage } from './types';
@@ -24,9 +25,6 @@ const kRetryFirst_ms = 500;
 const kRetryLast_ms = 5000;
 const kAnswer_ms = 15_000; // for /hello
 const kBehind_bytes = 1 << 20; // not yet sent: aims are dropped, as newer ones follow
-const kDropMagic = 0x47504d4f; // "OMPG"
-const kDropKind = 16;
-const kDropVersion = 1;
 const kCloseForbidden = 4003;
 const kTypes = new Set(['hello', 'status', 'setup', 'scene', 'notice', 'answer']);
 
@@ -113,9 +111,9 @@ export class Link {
     if (this.socket === null || !this.open) return false;
     const text = new TextEncoder().encode(name);
     const head = new DataView(new ArrayBuffer(12));
-    head.setUint32(0, kDropMagic, true);
-    head.setUint16(4, kDropKind, true);
-    head.setUint16(6, kDropVersion, true);
+    head.setUint32(0, kMagic, true);
+    head.setUint16(4, kKind.drop, true);
+    head.setUint16(6, kProtocol, true);
     head.setUint32(8, text.byteLength, true);
     const message = new Uint8Array(12 + text.byteLength + bytes.byteLength);
     message.set(new Uint8Array(head.buffer), 0);

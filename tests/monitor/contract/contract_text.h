@@ -1,10 +1,11 @@
-// service/page/src/contract.ts: channels, flags and faults that the service sends, as types.
+// What the service and its page agree on: channels, flags, limits, faults, and the layout of binary messages.
 #pragma once
 
 #include <string>
 
 namespace omni::monitor {
 
-std::string ContractText();
+std::string ContractTypes();  // service/page/src/contract.ts
+std::string ContractJson();   // docs/protocol/page.json
 
 }  // namespace omni::monitor
