@@ -1,7 +1,7 @@
 // node bundle.mjs MODULES SOURCE OUT: bundles the page. MODULES: the folder node_modules; SOURCE: this one; OUT: of
 // index.html, page.js, page.css and licenses.txt.
 import { createRequire } from 'node:module';
-import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 const [modules, source, out] = process.argv.slice(2);
@@ -22,8 +22,12 @@ await build({
 copyFileSync(join(source, 'index.html'), join(out, 'index.html'));
 
 // What is in the bundle, with its licence.
-const { dependencies } = JSON.parse(readFileSync(join(source, 'package.json'), 'utf8'));
-const licences = Object.entries(dependencies).map(
-  ([name, version]) => `${name} ${version}\n\n${readFileSync(join(modules, name, 'LICENSE'), 'utf8')}`,
-);
+const { packages } = JSON.parse(readFileSync(join(source, 'package-lock.json'), 'utf8'));
+const licences = Object.entries(packages)
+  .filter(([path, { dev }]) => path !== '' && !dev)
+  .map(([path, { version }]) => {
+    const name = path.replace('node_modules/', '');
+    const file = readdirSync(join(modules, name)).find((entry) => entry.startsWith('LICENSE'));
+    return `${name} ${version}\n\n${readFileSync(join(modules, name, file), 'utf8')}`;
+  });
 writeFileSync(join(out, 'licenses.txt'), licences.join('\n' + '-'.repeat(80) + '\n\n'));

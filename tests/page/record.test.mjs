@@ -10,7 +10,6 @@ const { McapIndexedReader, McapStreamReader } = fromTests('@mcap/core');
 const { crc32: referenceCrc32 } = fromTests('@foxglove/crc');
 
 const { Recorder } = await load('record/recorder.ts');
-const { crc32 } = await load('record/crc32.ts');
 const { shortest } = await load('record/text.ts');
 const { Track } = await load('record/track.ts');
 const { SceneParts } = await load('view/scene_parts.ts');
@@ -391,17 +390,6 @@ test('the shortest text of a float32 is read back exactly, and none is shorter',
   }
   assert.equal(shortest(Math.fround(0.1)), '0.1');
   assert.deepEqual([NaN, Infinity, -Infinity, -0].map(shortest), ['NaN', 'Infinity', '-Infinity', '-0']);
-});
-
-test('CRC-32 is that of others, whole and in parts', () => {
-  assert.equal(crc32(new TextEncoder().encode('123456789')), 0xcbf43926);
-  const r = random(2);
-  for (let n = 0; n < 300; ++n) {
-    const bytes = Uint8Array.from({ length: n }, () => integer(r, 256));
-    const cut = integer(r, n + 1);
-    assert.equal(crc32(bytes), referenceCrc32(bytes));
-    assert.equal(crc32(bytes.subarray(cut), crc32(bytes.subarray(0, cut))), referenceCrc32(bytes));
-  }
 });
 
 // ---- CSV

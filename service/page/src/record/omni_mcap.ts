@@ -4,7 +4,7 @@
 // this computer; each message also has its CLOCK_MONOTONIC time.
 import type { Contact, Hello, Live, Quat, Vec3, Vehicle } from '../types';
 import type { Chunk, Slice } from './chunk';
-import { McapWriter } from './mcap';
+import { McapFile } from './mcap';
 import { Pace } from './pace';
 import * as schemas from './schemas';
 import type { SurfaceEntry } from './surface_record';
@@ -92,75 +92,80 @@ function surfacePoseOf(words: Uint32Array): object {
 
 class OmniMcap {
   private readonly keys: string[]; // of the channels: '"current_x_A":'
-  private readonly telemetry: number; // ids of channels of the file
-  private readonly contacts: number;
-  private readonly vehicle: number;
-  private readonly inputs: number;
-  private readonly surfacePose: number;
-  private readonly surface: number;
-  private readonly pen: { id: number; tip: number[]; orientation: number[] | null } | null; // null: not measured
-  private readonly force: { id: number; columns: number[] } | null;
+  private readonly tip: number[] | null; // columns; null: not measured
+  private readonly orientation: number[] | null;
+  private readonly force: number[] | null;
   private readonly poseValid: number; // as a mask of Live.flags; 0: there is no such flag
 
-  constructor(
-    private readonly writer: McapWriter,
+  private constructor(
+    private readonly file: McapFile,
     { channels, flags }: Hello,
+    names: string[],
     private readonly epoch_ns: bigint, // of CLOCK_MONOTONIC
   ) {
-    const names = unique(channels.map((channel) => channel.name), ['t_monotonic_s']);
     this.keys = names.map((name) => `${JSON.stringify(name)}:`);
-    const add = (topic: string, schema: schemas.Schema): number =>
-      writer.channel(topic, writer.schema(schema.title, schema));
-    this.telemetry = add('/omni/telemetry', schemas.telemetry(channels, names));
-    this.contacts = add('/omni/contacts', schemas.contacts);
-    this.vehicle = add('/omni/vehicle', schemas.vehicle);
-    this.inputs = add('/omni/inputs', schemas.inputs(kInputs));
-    this.surfacePose = add('/omni/surface_poses', schemas.surfacePose);
-    this.surface = add('/omni/surfaces', schemas.surface);
-    const tip = columnsOf(channels, kTip);
-    const orientation = columnsOf(channels, kOrientation);
-    this.pen = tip === null ? null : { id: add('/omni/pen', schemas.pose), tip, orientation };
-    const columns = columnsOf(channels, kForce);
-    this.force = columns === null ? null : { id: add('/omni/force', schemas.force), columns };
+    this.tip = columnsOf(channels, kTip);
+    this.orientation = columnsOf(channels, kOrientation);
+    this.force = columnsOf(channels, kForce);
     const flag = flags.find(({ name }) => name === 'pose_valid');
     this.poseValid = flag === undefined ? 0 : 1 << flag.bit;
   }
 
-  writeSample(chunk: Chunk, i: number): void {
+  static async open(hello: Hello, epoch_ns: bigint): Promise<OmniMcap> {
+    const { channels, version } = hello;
+    const names = unique(channels.map((channel) => channel.name), ['t_monotonic_s']);
+    const topics: [string, schemas.Schema][] = [
+      ['/omni/telemetry', schemas.telemetry(channels, names)],
+      ['/omni/contacts', schemas.contacts],
+      ['/omni/vehicle', schemas.vehicle],
+      ['/omni/inputs', schemas.inputs(kInputs)],
+      ['/omni/surface_poses', schemas.surfacePose],
+      ['/omni/surfaces', schemas.surface],
+    ];
+    if (columnsOf(channels, kTip) !== null) topics.push(['/omni/pen', schemas.pose]);
+    if (columnsOf(channels, kForce) !== null) topics.push(['/omni/force', schemas.force]);
+    return new OmniMcap(await McapFile.open(`omni page ${version}`, topics), hello, names, epoch_ns);
+  }
+
+  writeSample(chunk: Chunk, i: number): Promise<void> {
     const t_s = chunk.time(i);
     let json = `{"t_monotonic_s":${t_s}`;
     for (let c = 0; c < this.keys.length; ++c) json += `,${this.keys[c]!}${shortestJson(chunk.value(i, c))}`;
-    this.writer.message(this.telemetry, this.time(t_s), `${json}}`);
+    return this.file.message('/omni/telemetry', this.time(t_s), `${json}}`);
   }
 
   // What belongs to a whole message, at the time of its newest sample.
-  writeState(chunk: Chunk, message: number): void {
+  async writeState(chunk: Chunk, message: number): Promise<void> {
     const newest = chunk.start(message + 1) - 1;
     const t_monotonic_s = chunk.time(newest);
     const time_ns = this.time(t_monotonic_s);
-    const write = (id: number, content: object): void => // null is written for what is not finite
-      this.writer.message(id, time_ns, JSON.stringify({ t_monotonic_s, ...content }));
+    const write = (topic: string, content: object): Promise<void> => // null is written for what is not finite
+      this.file.message(topic, time_ns, JSON.stringify({ t_monotonic_s, ...content }));
     const { contacts, vehicle, inputs, flags } = chunk.state(message);
-    write(this.contacts, { contacts: contacts.map(contactOf) });
-    if (vehicle !== null) write(this.vehicle, vehicleOf(vehicle));
-    write(this.inputs, inputsOf(inputs));
+    await write('/omni/contacts', { contacts: contacts.map(contactOf) });
+    if (vehicle !== null) await write('/omni/vehicle', vehicleOf(vehicle));
+    await write('/omni/inputs', inputsOf(inputs));
     if (this.force !== null) {
-      write(this.force.id, { frame_id: kFrame, ...xyz(vectorAt(chunk, newest, this.force.columns)) });
+      await write('/omni/force', { frame_id: kFrame, ...xyz(vectorAt(chunk, newest, this.force)) });
     }
-    if (this.pen === null || (this.poseValid !== 0 && (flags & this.poseValid) === 0)) return; // nothing to draw
-    const tip = vectorAt(chunk, newest, this.pen.tip);
+    if (this.tip === null || (this.poseValid !== 0 && (flags & this.poseValid) === 0)) return; // nothing to draw
+    const tip = vectorAt(chunk, newest, this.tip);
     if (!tip.every(Number.isFinite)) return;
-    write(this.pen.id, poseOf(time_ns, tip, orientationAt(chunk, newest, this.pen.orientation)));
+    await write('/omni/pen', poseOf(time_ns, tip, orientationAt(chunk, newest, this.orientation)));
   }
 
   // A pose is always whole: it is short.
-  writeSurface(entry: SurfaceEntry, t_monotonic_s: number): void {
+  writeSurface(entry: SurfaceEntry, t_monotonic_s: number): Promise<void> {
     const { scene, name, object, part, words } = entry;
     const about = { t_monotonic_s, scene, scene_name: name, object };
-    const [id, content] = part === 'pose'
-      ? [this.surfacePose, surfacePoseOf(words)]
-      : [this.surface, surfaceOf(entry)];
-    this.writer.message(id, this.time(t_monotonic_s), JSON.stringify({ ...about, ...content }));
+    const [topic, content] = part === 'pose'
+      ? ['/omni/surface_poses', surfacePoseOf(words)]
+      : ['/omni/surfaces', surfaceOf(entry)];
+    return this.file.message(topic, this.time(t_monotonic_s), JSON.stringify({ ...about, ...content }));
+  }
+
+  end(): Promise<Blob> {
+    return this.file.end();
   }
 
   private time(t_s: number): bigint {
@@ -176,23 +181,20 @@ export async function writeMcap(
   epoch_ns: bigint,
 ): Promise<Blob> {
   const pace = new Pace();
-  const pieces: Blob[] = [];
-  const writer = new McapWriter(`omni page ${hello.version}`, (bytes) => pieces.push(new Blob([bytes])));
-  const omni = new OmniMcap(writer, hello, epoch_ns);
+  const omni = await OmniMcap.open(hello, epoch_ns);
   let next = 0; // of the surfaces
   for (const { chunk, first, last } of slices) {
     for (let i = first; i < last; ) {
       const message = chunk.messageOf(i);
       const end = chunk.start(message + 1);
-      for (; i < Math.min(end, last); ++i) omni.writeSample(chunk, i);
-      if (end <= last) omni.writeState(chunk, message);
+      for (; i < Math.min(end, last); ++i) await omni.writeSample(chunk, i);
+      if (end <= last) await omni.writeState(chunk, message);
       while (end <= last && next < surfaces.length && surfaces[next]!.t_s <= chunk.time(end - 1)) {
-        omni.writeSurface(surfaces[next++]!, chunk.time(end - 1));
+        await omni.writeSurface(surfaces[next++]!, chunk.time(end - 1));
         await pace.rest();
       }
       await pace.rest();
     }
   }
-  writer.end();
-  return new Blob(pieces, { type: 'application/octet-stream' });
+  return omni.end();
 }
