@@ -90,7 +90,7 @@ class App {
     const actions: Actions = {
       send: (request) => this.link.send(request),
       drop: (name, bytes) => this.link.drop(name, bytes),
-      say: (level, text) => this.notices.say(level, text),
+      notify: (level, text) => this.notices.notify(level, text),
     };
     this.page = new Page(this.theme, actions, this.notices, {
       lift: () => this.hand.lift(),
@@ -173,7 +173,7 @@ class App {
   }
 
   private takeNotice(notice: NoticeMessage): void {
-    this.notices.say(notice.level, notice.text);
+    this.notices.notify(notice.level, notice.text);
   }
 
   private takeAnswer(answer: AnswerMessage): void {
@@ -192,7 +192,7 @@ class App {
         if (this.page.feel.takes(message.file)) {
           const bytes = new Uint8Array(message.file.bytes); // a copy: the message is let go
           download(message.file.name, new Blob([bytes], { type: 'model/gltf-binary' }));
-          this.notices.say('info', `${message.file.name} is saved where your browser puts downloads.`);
+          this.notices.notify('info', `${message.file.name} is saved where your browser puts downloads.`);
         }
         return;
     }

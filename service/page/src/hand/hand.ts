@@ -173,7 +173,7 @@ export class Hand {
         this.start();
       } else if (this.keys.press(motion)) {
         this.go(motion, kStep.move, kStep.tilt);
-        this.ask();
+        this.schedule();
       }
     } else if (key === 'Home') {
       this.start();
@@ -235,17 +235,17 @@ export class Hand {
     if (!this.enabled || ![...to.tip, ...to.axis].every(Number.isFinite)) return;
     this.aim = clamp(to);
     if (this.wanted !== null) this.wanted = { tip: within(to.tip), axis: this.aim.axis };
-    this.ask();
+    this.schedule();
   }
 
-  private ask(): void {
+  private schedule(): void {
     if (this.frame !== 0) return;
     this.framed_ms = performance.now();
-    this.frame = requestAnimationFrame(() => this.update());
+    this.frame = requestAnimationFrame(() => this.step());
   }
 
   // Once per frame: what the held keys do, and the aim, if it is another one.
-  private update(): void {
+  private step(): void {
     this.frame = 0;
     const now = performance.now();
     const seconds = Math.min(0.1, (now - this.framed_ms) / 1000);
@@ -258,7 +258,7 @@ export class Hand {
       this.spoke_ms = now;
       this.send({ type: 'aim', tip: this.aim.tip, axis: this.aim.axis });
     }
-    if (this.keys.any) this.ask();
+    if (this.keys.any) this.schedule();
   }
 }
 

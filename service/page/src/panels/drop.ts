@@ -66,29 +66,29 @@ export class DropTarget {
     const file = files[0];
     if (file === undefined || this.state === null) return;
     if (!this.takes()) {
-      this.actions.say('warning', 'This page cannot load a scene. Start omni try to touch a model of your own.');
+      this.actions.notify('warning', 'This page cannot load a scene. Start omni try to touch a model of your own.');
       return;
     }
     const most_bytes = this.state.hello.max_file_bytes;
-    if (files.length > 1) this.actions.say('info', `One scene at a time: ${file.name} is loaded.`);
+    if (files.length > 1) this.actions.notify('info', `One scene at a time: ${file.name} is loaded.`);
     // Neither a folder nor a huge file is worth reading.
     const early = !/\.glb$/i.test(file.name) ? notGlb(file.name) : null;
     const large = file.size > most_bytes ? tooLarge(file.name, file.size, most_bytes) : null;
     if (early !== null || large !== null) {
-      this.actions.say('error', early ?? large ?? '');
+      this.actions.notify('error', early ?? large ?? '');
       return;
     }
     let bytes: ArrayBuffer;
     try {
       bytes = await file.arrayBuffer();
     } catch {
-      this.actions.say('error', `${file.name} could not be read. Is it still there, and may the browser read it?`);
+      this.actions.notify('error', `${file.name} could not be read. Is it still there, and may the browser read it?`);
       return;
     }
     const why = objection(file.name, bytes, most_bytes);
-    if (why !== null) this.actions.say('error', why);
-    else if (!this.actions.drop(file.name, bytes)) this.actions.say('error', 'Not loaded: there is no connection.');
-    else this.actions.say('info', `${file.name} is being loaded.`);
+    if (why !== null) this.actions.notify('error', why);
+    else if (!this.actions.drop(file.name, bytes)) this.actions.notify('error', 'Not loaded: there is no connection.');
+    else this.actions.notify('info', `${file.name} is being loaded.`);
   }
 
   private takes(): boolean {

@@ -40,7 +40,7 @@ export class FeelPanel implements Panel {
     this.root = this.card.root;
     this.undo = makeButton('Undo', () => this.actions.send({ type: 'undo' }), { id: 'undo' });
     this.redo = makeButton('Redo', () => this.actions.send({ type: 'redo' }), { id: 'redo' });
-    this.save = makeButton('Save a copy as .glb', () => this.askForFile(), { id: 'save' });
+    this.save = makeButton('Save a copy as .glb', () => this.requestFile(), { id: 'save' });
     this.select.addEventListener('change', () => this.showMaterial());
     this.chooser = make('div', { class: 'chooser' }, make('label', { for: 'material' }, 'Material'), this.select);
     this.strokes = make('div', { class: 'buttons' }, this.undo, this.redo);
@@ -93,20 +93,20 @@ export class FeelPanel implements Panel {
   answer(message: AnswerMessage): void {
     if (message.number !== this.saving) return;
     if (!message.done) this.saving = 0;
-    if (!message.done) this.actions.say('error', `Not saved: ${message.text}`);
+    if (!message.done) this.actions.notify('error', `Not saved: ${message.text}`);
   }
 
-  // Whether it is the one that was asked for here.
+  // Whether it is the one that was requested here.
   takes(file: FileBytes): boolean {
     if (file.number !== this.saving) return false;
     this.saving = 0;
     return true;
   }
 
-  private askForFile(): void {
+  private requestFile(): void {
     const number = ++this.saves;
     if (this.actions.send({ type: 'save', number })) this.saving = number;
-    else this.actions.say('error', 'Not saved: there is no connection.');
+    else this.actions.notify('error', 'Not saved: there is no connection.');
   }
 
   private get material(): Material | undefined {

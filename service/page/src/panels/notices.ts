@@ -17,10 +17,10 @@ export class Notices {
     this.root.append(this.urgent, this.polite);
   }
 
-  say(level: Level, text: string): void {
+  notify(level: Level, text: string): void {
     const list = level === 'error' ? this.urgent : this.polite;
     for (const old of [...list.children]) {
-      if (old.querySelector('.notice-text')?.textContent === text) old.remove(); // said again: once is enough
+      if (old.querySelector('.notice-text')?.textContent === text) old.remove(); // again: once is enough
     }
     const notice = make('div', { class: `notice ${level}` });
     const close = makeButton('×', () => notice.remove(), { class: 'button quiet close', title: 'Close' });

@@ -132,7 +132,7 @@ export class ReplayBar {
     setAttribute(this.root, 'data-recording', String(recorder.recording));
     setText(this.recorded, kept === null ? '' : `${clock(length_s)}, ${size(Math.round(recorder.bytes * share))}`);
     if (recorder.stopped_why !== '' && recorder.stopped_why !== this.shown) {
-      this.actions.say('warning', recorder.stopped_why);
+      this.actions.notify('warning', recorder.stopped_why);
     }
     this.shown = recorder.stopped_why;
   }
@@ -235,9 +235,9 @@ export class ReplayBar {
     try {
       const blob = await (format === 'csv' ? recorder.csv(from_s, to_s) : recorder.mcap(from_s, to_s));
       download(`omni-${stamp()}.${format}`, blob);
-      this.actions.say('info', `${clock(to_s - from_s, 1)} saved as ${format.toUpperCase()}, ${size(blob.size)}.`);
+      this.actions.notify('info', `${clock(to_s - from_s, 1)} saved as ${format.toUpperCase()}, ${size(blob.size)}.`);
     } catch (error) {
-      this.actions.say('error', `Not saved: ${error instanceof Error ? error.message : String(error)}`);
+      this.actions.notify('error', `Not saved: ${error instanceof Error ? error.message : String(error)}`);
     } finally {
       button.removeAttribute('aria-busy');
     }

@@ -73,7 +73,7 @@ export class ScenesPanel implements Panel {
   private makeChoice(choice: SceneChoice): HTMLElement {
     const press = (): void => {
       if (!this.actions.send({ type: 'scene', name: choice.name })) {
-        this.actions.say('error', `${choice.title} was not loaded: there is no connection.`);
+        this.actions.notify('error', `${choice.title} was not loaded: there is no connection.`);
       }
     };
     const button = makeButton('', press, { class: 'scene-choice', pressed: false });

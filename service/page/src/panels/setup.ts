@@ -39,7 +39,7 @@ export class SetupPanel implements Panel {
     const head = make('span', { class: 'setup-head' }, make('span', { class: 'setup-title' }, step.title));
     head.append(make('span', { class: 'setup-state' }));
     const code = make('code', {}, step.command);
-    const copy = makeButton('Copy', () => void copyText(code).then((said) => this.actions.say('info', said)));
+    const copy = makeButton('Copy', () => void copyText(code).then((text) => this.actions.notify('info', text)));
     copy.setAttribute('aria-label', `Copy ${step.command}`);
     const command = make('span', { class: 'setup-command' }, code, copy);
     const about = make('span', { class: 'setup-about' }, `${step.about} It takes ${step.takes}.`);

@@ -45,7 +45,7 @@ export class EnvironmentPanel implements Panel {
     this.root = this.card.root;
     this.lines.setAttribute('aria-label', 'Lines for a shell');
     this.lines.dataset['testid'] = 'environment';
-    this.copy = makeButton('Copy', () => void copyText(this.lines).then((said) => actions.say('info', said)));
+    this.copy = makeButton('Copy', () => void copyText(this.lines).then((text) => actions.notify('info', text)));
     const about = make('p', {}, 'Paste this into a terminal, and start your OpenXR application there:');
     this.card.body.append(about, this.lines, make('div', { class: 'buttons' }, this.copy));
   }

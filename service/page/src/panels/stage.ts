@@ -65,7 +65,7 @@ export class Stage {
       const picture = await this.view?.snapshot();
       if (picture !== undefined) download(`omni-${stamp()}.png`, picture);
     } catch (error) {
-      this.actions.say('error', `No picture: ${error instanceof Error ? error.message : String(error)}`);
+      this.actions.notify('error', `No picture: ${error instanceof Error ? error.message : String(error)}`);
     }
   }
 }

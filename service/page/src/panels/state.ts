@@ -24,7 +24,7 @@ export interface PageState {
 export interface Actions {
   send(request: Request): boolean; // false: there is no connection
   drop(name: string, bytes: ArrayBuffer): boolean;
-  say(level: 'info' | 'warning' | 'error', text: string): void; // a notice that is seen and read out
+  notify(level: 'info' | 'warning' | 'error', text: string): void; // a notice that is seen and read out
 }
 
 export interface Panel {

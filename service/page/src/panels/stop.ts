@@ -5,7 +5,7 @@ import { isSimulated, statusOf } from './state';
 import type { Actions, PageState } from './state';
 
 export const kStopKey = 'F9';
-const kAnswer_ms = 2000; // without one, the button asks again
+const kAnswer_ms = 2000; // without one, the button can be pressed again
 const kCalm_ms = 1500; // after the last press: a frightened person presses again, and must not release by that
 const kReleaseElsewhere =
   'This page only watches. A page of omni monitor --control or of omni try can release the stop.';
@@ -19,9 +19,9 @@ export class StopButton {
   private stopped = false;
   private control = false;
   private service = true; // omnid is there, as far as is known
-  private asked_ms = -Infinity; // when something was asked for last
+  private requested_ms = -Infinity; // when something was requested last
   private pressed_ms = -Infinity; // when the button was pressed last
-  private asked: boolean | null = null; // for what
+  private requested: boolean | null = null; // for what
 
   constructor(private readonly actions: Actions) {
     this.button = make('button', { type: 'button', class: 'stop', 'aria-describedby': 'stop-hint' }, this.label);
@@ -32,7 +32,7 @@ export class StopButton {
       if (event.key !== kStopKey || event.repeat) return;
       event.preventDefault();
       this.pressed_ms = performance.now();
-      if (!this.stopped) this.ask(true); // the key never releases: that must be meant
+      if (!this.stopped) this.request(true); // the key never releases: that must be meant
     });
     this.show();
   }
@@ -42,36 +42,36 @@ export class StopButton {
     this.control = state.hello.control;
     this.service = state.status?.connected !== false;
     setAttribute(this.button, 'data-simulated', String(isSimulated(statusOf(state))));
-    if (this.stopped === this.asked || performance.now() - this.asked_ms > kAnswer_ms) this.asked = null;
+    if (this.stopped === this.requested || performance.now() - this.requested_ms > kAnswer_ms) this.requested = null;
     this.show();
   }
 
   private press(): void {
     const calm = performance.now() - this.pressed_ms > kCalm_ms;
     this.pressed_ms = performance.now();
-    if (!this.stopped) this.ask(true);
+    if (!this.stopped) this.request(true);
     else if (!calm) return;
-    else if (this.control) this.ask(false);
-    else this.actions.say('warning', kReleaseElsewhere);
+    else if (this.control) this.request(false);
+    else this.actions.notify('warning', kReleaseElsewhere);
   }
 
-  private ask(on: boolean): void {
+  private request(on: boolean): void {
     if (this.actions.send({ type: 'stop', on })) {
-      this.asked = on;
-      this.asked_ms = performance.now();
+      this.requested = on;
+      this.requested_ms = performance.now();
       this.show();
-      if (on && !this.service) this.actions.say('warning', kNoService);
+      if (on && !this.service) this.actions.notify('warning', kNoService);
     } else if (on) {
-      this.actions.say('error', 'Not stopped: this page has no connection. Run omni device estop, or unplug the base.');
+      this.actions.notify('error', 'Not stopped: this page has no connection. Run omni device estop, or unplug the base.');
     } else {
-      this.actions.say('warning', 'Not released: this page has no connection.');
+      this.actions.notify('warning', 'Not released: this page has no connection.');
     }
   }
 
   private show(): void {
     setAttribute(this.button, 'data-stopped', String(this.stopped));
-    if (this.asked !== null) {
-      setText(this.label, this.asked ? 'Stopping …' : 'Releasing …');
+    if (this.requested !== null) {
+      setText(this.label, this.requested ? 'Stopping …' : 'Releasing …');
     } else if (!this.stopped) {
       setText(this.label, 'EMERGENCY STOP');
     } else {

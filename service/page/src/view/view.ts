@@ -30,8 +30,8 @@ export class View {
   private reader: PictureReader | null = null;
   private picture = emptyPicture();
   private now_s = 0; // of the newest Live
-  private frame = 0; // asked for, 0: none
-  private asked_ms = 0; // when
+  private frame = 0; // requested; 0: none
+  private requested_ms = 0; // when
   private drawn_ms = 0; // when
   private moving = false; // the frame before belongs to the same movement
 
@@ -236,7 +236,7 @@ export class View {
       return;
     }
     if (this.frame !== 0) return;
-    this.asked_ms = performance.now();
+    this.requested_ms = performance.now();
     this.frame = requestAnimationFrame((time) => this.draw(time));
   }
 
@@ -246,7 +246,7 @@ export class View {
     this.drawn_ms = time_ms;
     const settling = this.orbitCamera.update(this.moving ? Math.min(step, 100) / 1000 : 1 / 60);
     this.moving = settling;
-    this.drawing?.stage.pace(performance.now() - this.asked_ms);
+    this.drawing?.stage.pace(performance.now() - this.requested_ms);
     this.drawing?.draw(this.orbitCamera.camera);
     if (settling) this.invalidate();
   }
