@@ -5,7 +5,7 @@ import type { LinkState } from './link';
 import { download } from './ui/dom';
 import { Notices } from './panels/notices';
 import { Page } from './panels/page';
-import { Signals } from './panels/signals';
+import { Signals } from './signals';
 import type { Actions, PageState } from './panels/state';
 import { Theme } from './ui/theme';
 import { Recorder } from './record/recorder';

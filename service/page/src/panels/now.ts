@@ -2,7 +2,7 @@
 import { Card } from '../ui/card';
 import { make, setAttribute, setHidden, setText } from '../ui/dom';
 import { fixed, mm, plural } from '../ui/format';
-import { length } from './signals';
+import { length } from '../signals';
 import type { PageState, Panel } from './state';
 import { forceNote, owner, race, softBodies, touching, tracking } from './words';
 

@@ -2,7 +2,7 @@
 import type { LinkState } from '../link';
 import type { SurfacesThen } from '../record/surface_record';
 import type { Hello, Live, Request, SceneMessage, SetupMessage, Status, StatusMessage } from '../types';
-import type { Signals } from './signals';
+import type { Signals } from '../signals';
 
 export interface PageState {
   hello: Hello;

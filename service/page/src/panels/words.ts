@@ -1,6 +1,6 @@
 // What is going on, in plain words.
 import { clock, fixed, mm, plural } from '../ui/format';
-import { length } from './signals';
+import { length } from '../signals';
 import { statusOf } from './state';
 import type { PageState } from './state';
 import type { Contact } from '../types';

@@ -2,6 +2,8 @@
 // Foxglove the pen's pose and the force on it, on channels of their own, once per message of the service; surfaces as
 // the recording has them: whole states, and what has changed since. Times are nanoseconds since 1970, by the clock of
 // this computer; each message also has its CLOCK_MONOTONIC time.
+import type { ChannelName } from '../contract';
+import { Signals } from '../signals';
 import type { Contact, Hello, Live, Quat, Vec3, Vehicle } from '../types';
 import type { Chunk, Slice } from './chunk';
 import { McapFile } from './mcap';
@@ -10,8 +12,10 @@ import * as schemas from './schemas';
 import type { SurfaceEntry } from './surface_record';
 import { poseOfWords } from './surface_tracks';
 import { base64, shorten, shortestJson, unique } from './text';
-import { columnsOf, kForce, kOrientation, kTip, orientationAt, vectorAt } from './vectors';
 
+const kTip: readonly ChannelName[] = ['tip_x_m', 'tip_y_m', 'tip_z_m'];
+const kOrientation: readonly ChannelName[] = ['q_w', 'q_x', 'q_y', 'q_z']; // of the tool's frame: -z out of the tip
+const kForce: readonly ChannelName[] = ['force_x_N', 'force_y_N', 'force_z_N'];
 const kFrame = 'omni_base';
 const kNs = 1_000_000_000n;
 const kInputs = [
@@ -25,6 +29,18 @@ const kInputs = [
   'thumbstick_click',
   'docked',
 ];
+
+function vectorAt(chunk: Chunk, sample: number, columns: readonly number[]): Vec3 {
+  return columns.map((column) => chunk.value(sample, column)) as Vec3;
+}
+
+// Upright where it is not known.
+function orientationAt(chunk: Chunk, sample: number, columns: readonly number[] | null): Quat {
+  const q = columns?.map((column) => chunk.value(sample, column)) ?? [];
+  const length = Math.hypot(...q);
+  if (!(length > 0.5 && length < 2)) return [1, 0, 0, 0];
+  return q.map((component) => component / length) as Quat;
+}
 
 function xyz([x, y, z]: Vec3): { x: number; y: number; z: number } {
   return { x: shorten(x), y: shorten(y), z: shorten(z) };
@@ -99,20 +115,20 @@ class OmniMcap {
 
   private constructor(
     private readonly file: McapFile,
-    { channels, flags }: Hello,
+    signals: Signals,
     names: string[],
     private readonly epoch_ns: bigint, // of CLOCK_MONOTONIC
   ) {
     this.keys = names.map((name) => `${JSON.stringify(name)}:`);
-    this.tip = columnsOf(channels, kTip);
-    this.orientation = columnsOf(channels, kOrientation);
-    this.force = columnsOf(channels, kForce);
-    const flag = flags.find(({ name }) => name === 'pose_valid');
-    this.poseValid = flag === undefined ? 0 : 1 << flag.bit;
+    this.tip = signals.columns(kTip);
+    this.orientation = signals.columns(kOrientation);
+    this.force = signals.columns(kForce);
+    this.poseValid = signals.mask('pose_valid');
   }
 
   static async open(hello: Hello, epoch_ns: bigint): Promise<OmniMcap> {
     const { channels, version } = hello;
+    const signals = new Signals(hello);
     const names = unique(channels.map((channel) => channel.name), ['t_monotonic_s']);
     const topics: [string, schemas.Schema][] = [
       ['/omni/telemetry', schemas.telemetry(channels, names)],
@@ -122,9 +138,9 @@ class OmniMcap {
       ['/omni/surface_poses', schemas.surfacePose],
       ['/omni/surfaces', schemas.surface],
     ];
-    if (columnsOf(channels, kTip) !== null) topics.push(['/omni/pen', schemas.pose]);
-    if (columnsOf(channels, kForce) !== null) topics.push(['/omni/force', schemas.force]);
-    return new OmniMcap(await McapFile.open(`omni page ${version}`, topics), hello, names, epoch_ns);
+    if (signals.columns(kTip) !== null) topics.push(['/omni/pen', schemas.pose]);
+    if (signals.columns(kForce) !== null) topics.push(['/omni/force', schemas.force]);
+    return new OmniMcap(await McapFile.open(`omni page ${version}`, topics), signals, names, epoch_ns);
   }
 
   writeSample(chunk: Chunk, i: number): Promise<void> {

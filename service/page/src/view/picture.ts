@@ -1,16 +1,8 @@
 // What of a Live message is drawn, read by the names of channels and flags. A service that lacks a name, or knows more
 // of them, does no harm: what is missing is 0.
-import type { ChannelName, FlagName } from '../contract';
+import type { ChannelName } from '../contract';
+import { Signals } from '../signals';
 import type { Aim, Contact, Hello, Live, Quat, Vec3, Vehicle } from '../types';
-
-const kNames = [
-  'tip_x_m', 'tip_y_m', 'tip_z_m',
-  'q_w', 'q_x', 'q_y', 'q_z',
-  'force_x_N', 'force_y_N', 'force_z_N',
-  'current_x_A', 'current_y_A', 'current_z_A',
-  'cov_xx_m2', 'cov_xy_m2', 'cov_xz_m2', 'cov_yy_m2', 'cov_yz_m2', 'cov_zz_m2',
-] as const satisfies readonly ChannelName[];
-type Name = (typeof kNames)[number];
 
 export interface Picture {
   valid: boolean; // there is a pose, perhaps an old one
@@ -46,26 +38,19 @@ export function emptyPicture(): Picture {
 export type TrailPoint = (t_s: number, x: number, y: number, z: number) => void;
 
 export class PictureReader {
-  private readonly channels: number;
-  private readonly column = new Map<Name, number>();
-  private readonly bits = new Map<string, number>();
+  private readonly signals: Signals;
 
   constructor(hello: Hello) {
-    this.channels = hello.channels.length;
-    for (const name of kNames) {
-      const column = hello.channels.findIndex((channel) => channel.name === name);
-      if (column >= 0) this.column.set(name, column);
-    }
-    for (const flag of hello.flags) this.bits.set(flag.name, flag.bit);
+    this.signals = new Signals(hello);
   }
 
   // Live without samples keeps what channels and flags said before.
   read(live: Live, before: Picture): Picture {
     const rest = { contacts: live.contacts, vehicle: live.vehicle, aim: live.aim };
     if (live.count === 0) return { ...before, ...rest };
-    const valid = this.flag(live, 'pose_valid') && this.column.has('tip_x_m');
-    const tracked = this.flag(live, 'tracked');
-    const at = (name: Name) => this.value(live, live.count - 1, name);
+    const valid = this.signals.flag(live, 'pose_valid') === true && this.signals.index('tip_x_m') >= 0;
+    const tracked = this.signals.flag(live, 'tracked') === true;
+    const at = (name: ChannelName) => this.value(live, live.count - 1, name);
     const orientation = unit([at('q_w'), at('q_x'), at('q_y'), at('q_z')]);
     return {
       ...rest,
@@ -90,15 +75,8 @@ export class PictureReader {
     }
   }
 
-  private flag(live: Live, name: FlagName): boolean {
-    const bit = this.bits.get(name);
-    return bit !== undefined && ((live.flags >>> bit) & 1) === 1;
-  }
-
-  private value(live: Live, sample: number, name: Name): number {
-    const column = this.column.get(name);
-    if (column === undefined) return 0;
-    const value = live.samples[sample * this.channels + column] ?? 0;
+  private value(live: Live, sample: number, name: ChannelName): number {
+    const value = this.signals.at(live, name, sample);
     return Number.isFinite(value) ? value : 0;
   }
 }

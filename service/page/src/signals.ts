@@ -1,8 +1,8 @@
 // Values of channels and flags by name. A service that has more or fewer of them does no harm: what is not there reads as
 // NaN, and is not shown.
-import { kToolLimit } from '../contract';
-import type { ChannelName, FlagName } from '../contract';
-import type { Hello, Live, Vec3 } from '../types';
+import { kToolLimit } from './contract';
+import type { ChannelName, FlagName } from './contract';
+import type { Hello, Live, Vec3 } from './types';
 
 export class Signals {
   readonly channels: number;
@@ -18,6 +18,12 @@ export class Signals {
   // -1: there is none
   index(name: ChannelName): number {
     return this.indices.get(name) ?? -1;
+  }
+
+  // null: not all are there.
+  columns(names: readonly ChannelName[]): number[] | null {
+    const columns = names.map((name) => this.index(name));
+    return columns.includes(-1) ? null : columns;
   }
 
   // Of sample i; NaN: not there.
@@ -56,10 +62,16 @@ export class Signals {
     return (this.newest(live, 'tool_limits') & kToolLimit.frozen) !== 0;
   }
 
+  // 0: the service does not have it.
+  mask(name: FlagName): number {
+    const bit = this.bits.get(name);
+    return bit === undefined ? 0 : 1 << bit;
+  }
+
   // null: the service does not have it.
   flag(live: Live, name: FlagName): boolean | null {
-    const bit = this.bits.get(name);
-    return bit === undefined ? null : ((live.flags >>> bit) & 1) === 1;
+    const mask = this.mask(name);
+    return mask === 0 ? null : (live.flags & mask) !== 0;
   }
 }
 
