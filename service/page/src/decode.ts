@@ -1,7 +1,7 @@
-// Binary messages of docs/protocol/page.md -> types.ts, read by the layouts of contract.ts. Throws RangeError for anything
-// that is not one.
+// Binary messages of docs/protocol/page.md -> types.ts, by the layouts of contract.ts. Throws RangeError for anything that
+// is not one.
 import { kKind, kLayout, kMagic } from './contract';
-import type { BinaryMessage, Live, Quat, Vec3 } from './types';
+import type { BinaryMessage, Live, Quat, Surface, Vec3 } from './types';
 
 // Little endian, like every machine that Omni runs on; an array is a view into the message, aligned by the layout.
 const kArrays = { u8: Uint8Array, u16: Uint16Array, u32: Uint32Array, f32: Float32Array, f64: Float64Array };
@@ -83,4 +83,18 @@ export function decode(buffer: ArrayBuffer): BinaryMessage {
     default:
       throw new RangeError(`message of unknown kind ${kind}`);
   }
+}
+
+// What makes a surface message one that can be drawn, and kept: the view and the recording take the same ones.
+// Whole points and triangles, and a pose.
+export function isSurface({ rotation, translation, positions, triangles }: Surface): boolean {
+  const turns = Math.hypot(...rotation);
+  if (!(turns > 1e-6 && turns < 1e6 && translation.every(Number.isFinite))) return false;
+  return (positions?.length ?? 0) % 3 === 0 && (triangles?.length ?? 0) % 3 === 0;
+}
+
+// Whether every corner is one of the vertices.
+export function fit(positions: Float32Array, triangles: Uint32Array): boolean {
+  const vertices = positions.length / 3;
+  return triangles.every((vertex) => vertex < vertices);
 }

@@ -4,8 +4,7 @@ import type { Live, Request, Vec3 } from '../types';
 import type { View } from '../view/view';
 import { add, clamp, clampTip, horizontal, rotate, same, unit, type Place } from './aim';
 import { Gestures } from './gestures';
-import { kHelp, kLabelHand, kLabelView } from './help';
-import { HeldKeys, motionOf, type Motion } from './keys';
+import { HeldKeys, kHelp, kLabelHand, kLabelView, motionOf, type Motion } from './keys';
 
 const kStartHeight = 0.07; // m over the core's centre, where there is no scene
 const kStartGap = 0.0025; // m over the scene: a small drag touches it

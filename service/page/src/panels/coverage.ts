@@ -1,13 +1,11 @@
 // Coverage: how well the calibration explains the readings, and where around the base that has been seen.
 import { Card } from '../ui/card';
-import { Drawing, fontOf } from '../ui/canvas';
-import { viridis } from '../ui/colours';
+import { Drawing, fontOf, viridis, type Theme } from '../ui/theme';
 import { CoverageMap, kRings, placeWords } from './coveragemap';
 import type { Field } from './coveragemap';
 import { make, makeButton, setText } from '../ui/dom';
 import { fixed } from '../ui/format';
 import type { PageState, Panel } from './state';
-import type { Theme } from '../ui/theme';
 import type { Live } from '../types';
 
 const kEvery = 3; // updates

@@ -1,22 +1,18 @@
 // The page's parts and where they stand. Knows no messages: main.ts brings them.
 import { StripBoard } from '../strips/board';
 import type { History } from '../strips/history';
-import { Banner } from './banner';
 import { CoveragePanel } from './coverage';
-import type { Card } from '../ui/card';
-import { make, makeButton, setAttribute, setHidden } from '../ui/dom';
+import { Splitter, type Card } from '../ui/card';
+import { make, makeButton, recall, remember, setAttribute, setHidden } from '../ui/dom';
 import { DropTarget } from './drop';
 import { FeelPanel } from './feel';
 import { Header, connectionOf } from './header';
-import { Notices } from './notices';
+import { Banner, Notices } from './notices';
 import { NowPanel } from './now';
 import { ProblemsPanel } from './problems';
 import { ReplayBar } from './replay';
 import { ScenesPanel } from './scenes';
-import { EnvironmentPanel, HandPanel, InputsPanel } from './simple';
-import { recall, remember } from '../ui/memory';
-import { Splitter } from '../ui/splitter';
-import { SetupPanel } from './setup';
+import { EnvironmentPanel, HandPanel, InputsPanel, SetupPanel } from './simple';
 import { Stage } from './stage';
 import type { Actions, PageState, Panel } from './state';
 import type { Theme } from '../ui/theme';

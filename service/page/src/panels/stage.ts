@@ -1,10 +1,8 @@
 // The stage: the 3-D view with its buttons, the badges over it, and a text of what it shows.
+import { download, make, makeButton, recall, remember, setHidden, setText } from '../ui/dom';
 import type { View } from '../view/view';
-import { download, make, makeButton, setHidden, setText } from '../ui/dom';
-import { recall, remember } from '../ui/memory';
 import type { Actions, PageState } from './state';
-import { Hints } from './hints';
-import { replayNote } from './words';
+import { replayNote, tracking } from './words';
 
 const kCameras = ['front', 'side', 'top', 'near'] as const;
 const kWords = { front: 'Front', side: 'Side', top: 'Top', near: 'Near' };
@@ -75,4 +73,29 @@ export function stamp(): string {
   const now = new Date();
   const local = new Date(now.getTime() - now.getTimezoneOffset() * 60_000).toISOString();
   return local.slice(0, 19).replace('T', '-').replace(/:/g, '');
+}
+
+const kLimit_ms = 700; // so long it is said after it was so
+
+// One hint on the picture of omni try: what to do next, until something was touched; then only that the base is at its
+// limit, or the pen inside what makes no force yet, while it is so.
+class Hints {
+  private touched = false;
+  private limit_ms = -Infinity;
+
+  // "": none.
+  next(state: PageState, now_ms: number): string {
+    const { hello, live, scene, signals } = state;
+    if (!hello.hand || state.replay || state.link.kind !== 'open' || live === null) return '';
+    if (live.contacts.length > 0) {
+      this.touched = true;
+      if (signals.flag(live, 'saturated') === true) this.limit_ms = now_ms;
+    }
+    if (signals.flag(live, 'waits') === true) return 'The pen is inside: draw it out, then touch.';
+    if (now_ms - this.limit_ms < kLimit_ms) return 'The base is at its limit: it cannot push harder here.';
+    if (this.touched || scene?.state !== 'ready') return '';
+    if (!live.aim.present) return 'Press on the picture to take the pen.';
+    if (tracking(state).state !== 'tracked') return '';
+    return live.vehicle !== null ? 'Drag the pen: it steers the car.' : 'Drag the pen straight down.';
+  }
 }

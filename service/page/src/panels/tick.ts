@@ -1,12 +1,11 @@
 // How long ticks take: their distribution over the last seconds, and what omnid has counted since it started.
 import type { History } from '../strips/history';
 import { Card } from '../ui/card';
-import { Drawing, fontOf } from '../ui/canvas';
+import { Drawing, fontOf, type Theme } from '../ui/theme';
 import { make, setHidden, setText } from '../ui/dom';
 import { plural, withUnit } from '../ui/format';
 import { statusOf } from './state';
 import type { PageState, Panel } from './state';
-import type { Theme } from '../ui/theme';
 
 const kSpan_s = 4;
 const kFirst_us = 1; // bins from here ...

@@ -2,16 +2,15 @@
 // Foxglove the pen's pose and the force on it, on channels of their own, once per message of the service; surfaces as
 // the recording has them: whole states, and what has changed since. Times are nanoseconds since 1970, by the clock of
 // this computer; each message also has its CLOCK_MONOTONIC time.
+import { McapWriter } from '@mcap/core';
 import type { ChannelName } from '../contract';
 import { Signals } from '../signals';
 import type { Contact, Hello, Live, Quat, Vec3, Vehicle } from '../types';
 import type { Chunk, Slice } from './chunk';
-import { McapFile } from './mcap';
-import { Pace } from './pace';
-import * as schemas from './schemas';
 import type { SurfaceEntry } from './surface_record';
 import { poseOfWords } from './surface_tracks';
-import { base64, shorten, shortestJson, unique } from './text';
+import { base64, Pace, shorten, shortestJson, unique } from './text';
+import * as schemas from './schemas';
 
 const kTip: readonly ChannelName[] = ['tip_x_m', 'tip_y_m', 'tip_z_m'];
 const kOrientation: readonly ChannelName[] = ['q_w', 'q_x', 'q_y', 'q_z']; // of the tool's frame: -z out of the tip
@@ -213,4 +212,46 @@ export async function writeMcap(
     }
   }
   return omni.end();
+}
+
+// An MCAP file (https://mcap.dev/spec) of JSON messages: chunks without compression, indexed, with checksums.
+class McapFile {
+  private readonly pieces: Blob[] = [];
+  private position = 0n;
+  private readonly writer = new McapWriter({
+    writable: {
+      write: async (bytes) => {
+        this.pieces.push(new Blob([bytes as Uint8Array<ArrayBuffer>])); // a copy
+        this.position += BigInt(bytes.length);
+      },
+      position: () => this.position,
+    },
+  });
+  private readonly channels = new Map<string, { id: number; count: number }>(); // by topic
+  private readonly utf8 = new TextEncoder();
+
+  static async open(library: string, topics: readonly [topic: string, schema: schemas.Schema][]): Promise<McapFile> {
+    const file = new McapFile();
+    const { writer, utf8 } = file;
+    await writer.start({ profile: '', library });
+    for (const [topic, schema] of topics) {
+      const data = utf8.encode(JSON.stringify(schema));
+      const schemaId = await writer.registerSchema({ name: schema.title, encoding: 'jsonschema', data });
+      const id = await writer.registerChannel({ topic, schemaId, messageEncoding: 'json', metadata: new Map() });
+      file.channels.set(topic, { id, count: 0 });
+    }
+    return file;
+  }
+
+  // One after another: each waits for the one before.
+  message(topic: string, time_ns: bigint, json: string): Promise<void> {
+    const channel = this.channels.get(topic)!;
+    const message = { logTime: time_ns, publishTime: time_ns, data: this.utf8.encode(json) };
+    return this.writer.addMessage({ ...message, channelId: channel.id, sequence: channel.count++ });
+  }
+
+  async end(): Promise<Blob> {
+    await this.writer.end();
+    return new Blob(this.pieces, { type: 'application/octet-stream' });
+  }
 }

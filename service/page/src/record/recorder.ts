@@ -4,9 +4,9 @@
 import type { Hello, Live } from '../types';
 import { Chunk, bisect } from './chunk';
 import type { Slice } from './chunk';
-import { writeCsv } from './csv';
 import { writeMcap } from './omni_mcap';
 import { SurfaceRecord } from './surface_record';
+import { writeCsv } from './text';
 
 export interface Limits {
   length_s: number;

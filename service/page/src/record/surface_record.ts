@@ -1,6 +1,6 @@
 // The surfaces of a recording: objects that are soft, sculpted, extruded or moved, as they were at any time of it. At
 // most ten states a second of each; the oldest go when there is no room.
-import { isSurface } from '../surface';
+import { isSurface } from '../decode';
 import type { SceneMessage, Surface } from '../types';
 import { bisect } from './chunk';
 import { SurfaceTracks } from './surface_tracks';

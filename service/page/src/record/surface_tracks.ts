@@ -1,6 +1,6 @@
 // The past of one object that changes: its pose, vertices and triangles, each as a track of its own, since most
 // messages bring only some of them.
-import { fit } from '../surface';
+import { fit } from '../decode';
 import type { Surface } from '../types';
 import { Track } from './track';
 

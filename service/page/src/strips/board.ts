@@ -1,8 +1,7 @@
 // The strips below the view: one per group of channels and unit, those that the person has chosen.
 import 'uplot/dist/uPlot.min.css';
-import { make, makeButton, setPressed, setText } from '../ui/dom';
+import { make, makeButton, recall, remember, setPressed, setText } from '../ui/dom';
 import { shownUnit } from '../ui/format';
-import { recall, remember } from '../ui/memory';
 import type { PageState } from '../panels/state';
 import type { Theme } from '../ui/theme';
 import type { Channel, Hello } from '../types';

@@ -1,7 +1,5 @@
-// A panel's frame: a heading that opens and closes it. What the person chose is kept; without a choice, a narrow
-// screen starts with the important ones only.
-import { make } from './dom';
-import { recall, remember } from './memory';
+// What divides the page: frames of panels, and the edge between view and strips.
+import { make, recall, remember } from './dom';
 
 const kNarrow = '(max-width: 699px)';
 const kRoomy = '(min-width: 1600px)';
@@ -13,6 +11,8 @@ export interface CardOptions {
   open?: 'always' | 'roomy'; // on a wide one, or a very wide one only; default: always
 }
 
+// A panel's frame: a heading that opens and closes it. What the person chose is kept; without a choice, a narrow
+// screen starts with the important ones only.
 export class Card {
   readonly root: HTMLDetailsElement;
   readonly body: HTMLElement;
@@ -51,4 +51,48 @@ export class Card {
 function opensAtFirst(options: CardOptions): boolean {
   if (matchMedia(kNarrow).matches) return options.important === true;
   return options.open !== 'roomy' || matchMedia(kRoomy).matches;
+}
+
+const kLeast = 15; // percent of the column's height that the strips take
+const kMost = 80;
+const kFirst = 36;
+const kStep = 4;
+
+// The edge between view and strips: dragged, or moved by the arrow keys.
+export class Splitter {
+  readonly root = make('div', { class: 'splitter', role: 'separator', tabindex: 0, 'aria-orientation': 'horizontal' });
+  private percent: number;
+
+  constructor(private readonly column: HTMLElement) {
+    this.root.setAttribute('aria-label', 'Height of the strips');
+    this.root.setAttribute('aria-valuemin', String(kLeast));
+    this.root.setAttribute('aria-valuemax', String(kMost));
+    const kept = Number(recall('strips') ?? NaN);
+    this.percent = kept >= kLeast && kept <= kMost ? kept : kFirst;
+    this.apply();
+    this.root.addEventListener('pointerdown', (event) => this.root.setPointerCapture(event.pointerId));
+    this.root.addEventListener('pointermove', (event) => {
+      if (!this.root.hasPointerCapture(event.pointerId)) return;
+      const box = this.column.getBoundingClientRect();
+      this.set((100 * (box.bottom - event.clientY)) / box.height);
+    });
+    this.root.addEventListener('keydown', (event) => {
+      const steps: Record<string, number> = { ArrowUp: kStep, ArrowDown: -kStep, Home: -100, End: 100 };
+      const step = steps[event.key];
+      if (step === undefined) return;
+      event.preventDefault();
+      this.set(this.percent + step);
+    });
+  }
+
+  private set(percent: number): void {
+    this.percent = Math.min(kMost, Math.max(kLeast, Math.round(percent)));
+    remember('strips', String(this.percent));
+    this.apply();
+  }
+
+  private apply(): void {
+    this.root.setAttribute('aria-valuenow', String(this.percent));
+    this.column.style.setProperty('--strips', `${this.percent}%`);
+  }
 }

@@ -117,3 +117,22 @@ export function download(name: string, blob: Blob): void {
   link.remove();
   setTimeout(() => URL.revokeObjectURL(url), 60_000);
 }
+
+const kPrefix = 'omni.';
+
+// What the page remembers until next time. Browsers may refuse storage: then it forgets, and works all the same.
+export function recall(key: string): string | null {
+  try {
+    return localStorage.getItem(kPrefix + key);
+  } catch {
+    return null;
+  }
+}
+
+export function remember(key: string, value: string): void {
+  try {
+    localStorage.setItem(kPrefix + key, value);
+  } catch {
+    // refused or full
+  }
+}

@@ -1,6 +1,6 @@
 // What the marks mean, in a corner over the picture, in words and with a sample of each colour.
 import type { Color } from 'three';
-import { kArrowPerNewton } from './force_arrow';
+import { kArrowPerNewton } from './forces';
 import type { Palette } from './palette';
 import { kSigmas, kUncertaintyScale } from './uncertainty';
 

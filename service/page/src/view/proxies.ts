@@ -5,7 +5,7 @@ import {
 import type { Contact, Vec3 } from '../types';
 import type { Palette } from './palette';
 import { Ribbon } from './ribbon';
-import { Mark } from './xray';
+import { Mark } from './forces';
 
 const kMost = 4; // contacts in a Live message
 const kDisc = 0.005; // m

@@ -2,7 +2,7 @@
 import {
   Box3, BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, MeshStandardMaterial, Raycaster, Vector3,
 } from 'three';
-import { isSurface } from '../surface';
+import { isSurface } from '../decode';
 import type { SceneMessage, Shape, Surface } from '../types';
 import { Body, type Parts } from './body';
 

@@ -2,7 +2,7 @@
 import {
   BufferAttribute, BufferGeometry, DynamicDrawUsage, Mesh, MeshStandardMaterial, Sphere, Vector3, type Material,
 } from 'three';
-import { fit } from '../surface';
+import { fit } from '../decode';
 import type { Shape } from '../types';
 import { splitAtCreases, vertexNormals, type Split } from './creases';
 import { paintFromBefore, paintFromShapes, type Paint, type Painted } from './paint';

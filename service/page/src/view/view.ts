@@ -2,13 +2,12 @@
 import { Vector2, Vector3 } from 'three';
 import type { Hello, Live, SceneMessage, Shape, Surface, Vec3 } from '../types';
 import { Caption } from './caption';
-import { describe } from './describe';
 import { depthOf, dragged, planeFor, type Pointed } from './drag';
 import { Drawing, repeatsHull } from './drawing';
 import { Orbit, type CameraName } from './orbit';
 import { kDark, kLight } from './palette';
 import { kPenLength } from './pen';
-import { emptyPicture, PictureChanges, PictureReader } from './picture';
+import { describe, emptyPicture, PictureChanges, PictureReader } from './picture';
 import { SceneParts, type Replayed } from './scene_parts';
 
 const kReach = 26; // pixels around pen and ghost in which the pointer takes hold
