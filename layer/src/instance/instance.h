@@ -71,7 +71,7 @@ class Instance {
   Alignment alignment{*this};
   Vibrations vibrations{*this};
   ForceFeedbacks force_feedbacks{*this};
-  HapticScenes haptic_scenes{*this};
+  HapticScenes haptic_scenes{sessions, link, clock, events, locator};
   RenderModels render_models{*this};
   auto Parts() noexcept {
     return std::tie(*this, input, bindings, locator, alignment, vibrations, force_feedbacks, haptic_scenes,

@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <span>
 #include <utility>
 
 #include <glm/geometric.hpp>
 
-#include "layer/src/instance/instance.h"
+#include "layer/src/entry/two_call.h"
 #include "layer/src/scene/haptic_material.h"
+#include "layer/src/spaces/locator.h"
 #include "service/base/clock.h"
 #include "service/base/sealed_memory.h"
 #include "service/protocol/haptic_scene_range.h"
@@ -75,6 +76,36 @@ bool Differs(const Motion& a, const Motion& b) noexcept {
   return far(a.X.p, b.X.p) || std::abs(glm::dot(a.X.q, b.X.q)) < 1 - 1e-12 || far(a.v, b.v) || far(a.w, b.w);
 }
 
+double ScaleOf(const HapticScene& scene) noexcept { return scene.placement ? scene.placement->scale : 1; }
+
+// What is wrong with an update of nodes, whatever the scene is.
+XrResult CheckUpdate(const XrHapticNodesUpdateInfoOMNIX1* info) {
+  if (!info || info->type != XR_TYPE_HAPTIC_NODES_UPDATE_INFO_OMNIX1 || info->nodeCount == 0 || !info->nodes)
+    return XR_ERROR_VALIDATION_FAILURE;
+  if (info->time <= 0) return XR_ERROR_TIME_INVALID;
+  for (const XrHapticNodePoseOMNIX1& node : std::span(info->nodes, info->nodeCount)) {
+    if (!IsUnitPose(node.pose)) return XR_ERROR_POSE_INVALID;
+    const bool known = (node.flags & ~XR_HAPTIC_NODE_POSE_TELEPORT_BIT_OMNIX1) == 0;
+    if (!known || !IsFinite(node.linearVelocity) || !IsFinite(node.angularVelocity)) return XR_ERROR_VALIDATION_FAILURE;
+  }
+  return XR_SUCCESS;
+}
+
+// `X_OB`: the space of the pose, in the base frame; null: the document's frame.
+protocol::HapticNodePose ToNodePose(const HapticScene& scene, std::uint32_t object, const XrHapticNodePoseOMNIX1& from,
+                                    const Located* X_OB) {
+  const double scale = ScaleOf(scene);
+  Motion X_GN{FromXr(from.pose), FromXr(from.linearVelocity), FromXr(from.angularVelocity)};
+  if (X_OB != nullptr) {
+    X_GN = Compose(Inverse(scene.X_OG), Compose(KnownMotion(*X_OB), X_GN));
+    X_GN.X.p /= scale;
+    X_GN.v /= scale;
+  }
+  return {.object = object,
+          .flags = (from.flags & XR_HAPTIC_NODE_POSE_TELEPORT_BIT_OMNIX1) != 0 ? protocol::kPoseLeaps : 0U,
+          .pose = ToScenePose(FromRest(X_GN, scene.table.nodes[object], scale))};
+}
+
 }  // namespace
 
 Pose DocumentAxes() { return {glm::dvec3(0), glm::dquat(kHalfRoot, kHalfRoot, 0, 0)}; }
@@ -89,33 +120,37 @@ XrHapticNodeIdOMNIX1 NodeIdOf(const HapticScene& scene, std::uint32_t object) no
   return std::uint64_t{scene.number} << 32 | (object + 1);
 }
 
-std::optional<std::uint32_t> ObjectOf(const HapticScene& scene, XrHapticNodeIdOMNIX1 node) noexcept {
+std::optional<std::uint32_t> ObjectOf(const HapticScene& scene, XrHapticNodeIdOMNIX1 node,
+                                      std::uint32_t any_of_flags) noexcept {
   const std::uint64_t object = (node & 0xFFFFFFFF) - 1;
   const bool of_this_scene = node >> 32 == scene.number;
   if (!of_this_scene || object >= scene.table.nodes.size()) return std::nullopt;
+  const bool is_such = (scene.table.nodes[object].flags & any_of_flags) != 0;
+  if (!is_such) return std::nullopt;
   return static_cast<std::uint32_t>(object);
 }
 
 bool HapticScenes::Contains(XrHapticSceneOMNIX1 handle) const {
   const std::lock_guard lock(mutex_);
-  return Find(handle) != nullptr;
+  return XR_SUCCEEDED(Check(handle, Need::kHandle));
 }
 
-HapticScene* HapticScenes::Find(XrHapticSceneOMNIX1 handle) const {
-  return scene_ != nullptr && scene_->handle == handle ? scene_.get() : nullptr;
-}
-
-XrResult HapticScenes::Usable(const HapticScene* scene) const {
-  if (scene == nullptr) return XR_ERROR_HANDLE_INVALID;
+XrResult HapticScenes::Check(XrHapticSceneOMNIX1 handle, Need need) const {
+  const HapticScene* scene = scene_.get();
+  if (scene == nullptr || scene->handle != handle) return XR_ERROR_HANDLE_INVALID;
   const bool failed = scene->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1;
-  return failed ? XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1 : XR_SUCCESS;
+  if (failed && need != Need::kHandle) return XR_ERROR_HAPTIC_SCENE_INVALID_OMNIX1;
+  const bool ready = scene->ever_ready;
+  return ready || need != Need::kReady ? XR_SUCCESS : XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
 }
 
-XrResult HapticScenes::Ready(const HapticScene* scene) const {
-  const XrResult usable = Usable(scene);
-  if (usable != XR_SUCCESS) return usable;
-  const bool ready = scene->ever_ready;
-  return ready ? XR_SUCCESS : XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
+XrResult HapticScenes::Locate(XrHapticSceneOMNIX1 handle, Need need, XrSpace space, XrTime time, Located& X_OS) {
+  std::shared_ptr<Session> session;
+  const XrResult result = WithScene(handle, need, [&](const HapticScene& scene) {
+    session = sessions_.Find(scene.session);
+    return session != nullptr ? XR_SUCCESS : XR_ERROR_HANDLE_INVALID;
+  });
+  return XR_SUCCEEDED(result) ? locator_.LocateInBase(*session, space, time, X_OS) : result;
 }
 
 XrResult HapticScenes::Create(XrSession session, const XrHapticSceneCreateInfoOMNIX1* info,
@@ -125,7 +160,7 @@ XrResult HapticScenes::Create(XrSession session, const XrHapticSceneCreateInfoOM
       info->bufferByteCount > XR_MAX_HAPTIC_SCENE_BYTES_OMNIX1) {
     return XR_ERROR_VALIDATION_FAILURE;
   }
-  if (!instance_.sessions.Contains(session)) return XR_ERROR_HANDLE_INVALID;
+  if (!sessions_.Contains(session)) return XR_ERROR_HANDLE_INVALID;
   auto scene = std::make_unique<HapticScene>();
   auto document = base::SealedCopy("omni-scene", {reinterpret_cast<const char*>(info->buffer), info->bufferByteCount});
   if (!document.ok()) return XR_ERROR_OUT_OF_MEMORY;
@@ -145,10 +180,10 @@ XrResult HapticScenes::Create(XrSession session, const XrHapticSceneCreateInfoOM
 }
 
 XrResult HapticScenes::Destroy(XrHapticSceneOMNIX1 handle) {
-  const std::lock_guard lock(mutex_);
-  if (Find(handle) == nullptr) return XR_ERROR_HANDLE_INVALID;
-  End();
-  return XR_SUCCESS;
+  return WithScene(handle, Need::kHandle, [&](const HapticScene&) {
+    End();
+    return XR_SUCCESS;
+  });
 }
 
 void HapticScenes::EndOf(XrSession session) {
@@ -160,7 +195,7 @@ void HapticScenes::End() {
   protocol::HapticSceneEnd end;
   end.number = scene_->number;
   const bool surfaces = scene_->surfaces_asked;
-  instance_.link.With([&](client::Connection& connection) {
+  link_.With([&](client::Connection& connection) {
     connection.Send(end);
     if (surfaces) connection.RequestSurfaces(false);
   });
@@ -170,35 +205,29 @@ void HapticScenes::End() {
 XrResult HapticScenes::State(XrHapticSceneOMNIX1 handle, XrHapticSceneStateOMNIX1* state) {
   if (!state || state->type != XR_TYPE_HAPTIC_SCENE_STATE_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
   Poll();
-  const std::lock_guard lock(mutex_);
-  const HapticScene* scene = Find(handle);
-  if (scene == nullptr) return XR_ERROR_HANDLE_INVALID;
-  const bool ready = scene->status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1;
-  state->status = scene->status;
-  state->isFelt = ready && scene->state.generation != 0;
-  state->nodeCount = ready ? static_cast<uint32_t>(scene->table.nodes.size()) : 0;
-  state->materialCount = ready ? static_cast<uint32_t>(scene->table.materials.size()) : 0;
-  state->triangleCount = ready ? scene->state.triangle_count : 0;
-  state->loadTime = scene->status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1 ? 0 : scene->state.load_ns;
-  return XR_SUCCESS;
+  return WithScene(handle, Need::kHandle, [&](const HapticScene& scene) {
+    const bool ready = scene.status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1;
+    state->status = scene.status;
+    state->isFelt = ready && scene.state.generation != 0;
+    state->nodeCount = ready ? static_cast<uint32_t>(scene.table.nodes.size()) : 0;
+    state->materialCount = ready ? static_cast<uint32_t>(scene.table.materials.size()) : 0;
+    state->triangleCount = ready ? scene.state.triangle_count : 0;
+    state->loadTime = scene.status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1 ? 0 : scene.state.load_ns;
+    return XR_SUCCESS;
+  });
 }
 
 XrResult HapticScenes::Diagnostics(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint32_t* count, char* text) {
   if (!count || (capacity > 0 && !text)) return XR_ERROR_VALIDATION_FAILURE;
   Poll();
-  const std::string waiting = instance_.link.With([](client::Connection& connection) {
-    return connection.connected() ? std::string("being built\n")
-                                  : "waiting for omnid: " + connection.last_error() + "\n";
+  return WithScene(handle, Need::kHandle, [&](const HapticScene& scene) {
+    const std::string waiting = link_.With([](client::Connection& connection) {
+      return connection.connected() ? std::string("being built\n")
+                                    : "waiting for omnid: " + connection.last_error() + "\n";
+    });
+    const std::string& said = scene.status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1 ? waiting : scene.text;
+    return Fill(said.c_str(), said.size() + 1, capacity, count, text);
   });
-  const std::lock_guard lock(mutex_);
-  const HapticScene* scene = Find(handle);
-  if (scene == nullptr) return XR_ERROR_HANDLE_INVALID;
-  const std::string& said = scene->status == XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1 ? waiting : scene->text;
-  *count = static_cast<uint32_t>(said.size() + 1);
-  if (capacity == 0) return XR_SUCCESS;
-  if (capacity < *count) return XR_ERROR_SIZE_INSUFFICIENT;
-  std::memcpy(text, said.c_str(), *count);
-  return XR_SUCCESS;
 }
 
 XrResult HapticScenes::Place(XrHapticSceneOMNIX1 handle, const XrHapticScenePlacementOMNIX1* placement) {
@@ -206,40 +235,28 @@ XrResult HapticScenes::Place(XrHapticSceneOMNIX1 handle, const XrHapticScenePlac
     return XR_ERROR_VALIDATION_FAILURE;
   }
   if (!IsUnitPose(placement->pose)) return XR_ERROR_POSE_INVALID;
-  std::shared_ptr<Session> session;
-  {
-    const std::lock_guard lock(mutex_);
-    const HapticScene* scene = Find(handle);
-    const XrResult usable = Usable(scene);
-    if (usable != XR_SUCCESS) return usable;
-    session = instance_.sessions.Find(scene->session);
-  }
-  if (session == nullptr) return XR_ERROR_HANDLE_INVALID;
   const std::int64_t now_ns = base::MonotonicNow_ns();
   Located X_OS;
-  const XrResult found =
-      instance_.locator.LocateInBase(*session, placement->baseSpace, instance_.clock.ToXr(now_ns), X_OS);
+  const XrResult found = Locate(handle, Need::kUsable, placement->baseSpace, clock_.ToXr(now_ns), X_OS);
   if (XR_FAILED(found)) return found;
   const double scale = std::clamp(double{placement->scale}, protocol::kLeastSceneScale, protocol::kMostSceneScale);
-  const std::lock_guard lock(mutex_);
-  HapticScene* scene = Find(handle);
-  if (const XrResult usable = Usable(scene); usable != XR_SUCCESS) return usable;
-  Motion X_SG, X_OG = scene->X_OG;
-  X_SG.X = FromXr(placement->pose);
-  if (IsThere(X_OS)) X_OG = Compose(KnownMotion(X_OS), X_SG);
-  const protocol::ScenePose pose = ToScenePose(AxesTurned(X_OG));
-  if (!InReach(pose)) return XR_ERROR_POSE_INVALID;
-  const double scale_before = scene->placement ? scene->placement->scale : 1;
-  const bool reload = scale != scale_before;
-  if (reload) SetStatus(XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
-  scene->placement = {placement->baseSpace, X_SG.X, scale};
-  scene->X_OG = X_OG;
-  scene->place.number = scene->number;
-  scene->place.t_ns = now_ns;
-  scene->place.scale = scale;
-  scene->place.pose = pose;
-  instance_.link.With([&](client::Connection& connection) { connection.Send(scene->place); });
-  return XR_SUCCESS;
+  return WithScene(handle, Need::kUsable, [&](HapticScene& scene) {
+    Motion X_SG, X_OG = scene.X_OG;
+    X_SG.X = FromXr(placement->pose);
+    if (IsThere(X_OS)) X_OG = Compose(KnownMotion(X_OS), X_SG);
+    const protocol::ScenePose pose = ToScenePose(AxesTurned(X_OG));
+    if (!InReach(pose)) return XR_ERROR_POSE_INVALID;
+    const bool reload = scale != ScaleOf(scene);
+    if (reload) SetStatus(XR_HAPTIC_SCENE_STATUS_LOADING_OMNIX1);
+    scene.placement = {placement->baseSpace, X_SG.X, scale};
+    scene.X_OG = X_OG;
+    scene.place.number = scene.number;
+    scene.place.t_ns = now_ns;
+    scene.place.scale = scale;
+    scene.place.pose = pose;
+    Send(scene.place);
+    return XR_SUCCESS;
+  });
 }
 
 void HapticScenes::FollowSpace(XrSession session_handle, XrTime time) {
@@ -250,9 +267,9 @@ void HapticScenes::FollowSpace(XrSession session_handle, XrTime time) {
     if (scene_->placement->base == XR_NULL_HANDLE) return;
     placement = *scene_->placement;
   }
-  const std::shared_ptr<Session> session = instance_.sessions.Find(session_handle);
+  const std::shared_ptr<Session> session = sessions_.Find(session_handle);
   Located X_OS;
-  if (session == nullptr || XR_FAILED(instance_.locator.LocateInBase(*session, placement.base, time, X_OS))) return;
+  if (session == nullptr || XR_FAILED(locator_.LocateInBase(*session, placement.base, time, X_OS))) return;
   if (!IsThere(X_OS)) return;  // it stays where it was
   Motion X_SG;
   X_SG.X = placement.X_SG;
@@ -263,9 +280,9 @@ void HapticScenes::FollowSpace(XrSession session_handle, XrTime time) {
   const protocol::ScenePose pose = ToScenePose(AxesTurned(X_OG));
   if (!InReach(pose)) return;
   scene_->X_OG = X_OG;
-  scene_->place.t_ns = std::max<std::int64_t>(0, instance_.clock.ToMonotonic(time));
+  scene_->place.t_ns = std::max<std::int64_t>(0, clock_.ToMonotonic(time));
   scene_->place.pose = pose;
-  instance_.link.With([&](client::Connection& connection) { connection.Send(scene_->place); });
+  Send(scene_->place);
 }
 
 // Its handle may be reused for another space: the scene stays where it is.
@@ -276,100 +293,64 @@ void HapticScenes::ForgetSpace(XrSpace space) {
 }
 
 XrResult HapticScenes::Enable(XrHapticSceneOMNIX1 handle, XrBool32 enabled) {
-  const std::lock_guard lock(mutex_);
-  HapticScene* scene = Find(handle);
-  const XrResult usable = Usable(scene);
-  if (usable != XR_SUCCESS) return usable;
-  scene->enabled = enabled != XR_FALSE;
-  protocol::HapticSceneEnable message;
-  message.number = scene->number;
-  message.enabled = scene->enabled ? 1 : 0;
-  instance_.link.With([&](client::Connection& connection) { connection.Send(message); });
-  return XR_SUCCESS;
+  return WithScene(handle, Need::kUsable, [&](HapticScene& scene) {
+    scene.enabled = enabled != XR_FALSE;
+    protocol::HapticSceneEnable message;
+    message.number = scene.number;
+    message.enabled = scene.enabled ? 1 : 0;
+    Send(message);
+    return XR_SUCCESS;
+  });
 }
 
 XrResult HapticScenes::SetMaterial(XrHapticSceneOMNIX1 handle, uint32_t index, const XrHapticMaterialOMNIX1* material) {
   if (!material || material->type != XR_TYPE_HAPTIC_MATERIAL_OMNIX1 || !IsMaterial(*material))
     return XR_ERROR_VALIDATION_FAILURE;
-  const std::lock_guard lock(mutex_);
-  HapticScene* scene = Find(handle);
-  const XrResult ready = Ready(scene);
-  if (ready != XR_SUCCESS) return ready;
-  if (index >= scene->table.materials.size()) return XR_ERROR_INDEX_OUT_OF_RANGE;
-  const bool full = scene->changed.size() >= XR_MAX_HAPTIC_MATERIALS_SET_OMNIX1;
-  if (full && scene->changed.count(index) == 0) return XR_ERROR_LIMIT_REACHED;
-  protocol::HapticMaterial message;
-  message.number = scene->number;
-  message.material = index;
-  message.parameters = scene->changed[index] = ToParameters(*material);
-  instance_.link.With([&](client::Connection& connection) { connection.Send(message); });
-  return XR_SUCCESS;
+  return WithScene(handle, Need::kReady, [&](HapticScene& scene) {
+    if (index >= scene.table.materials.size()) return XR_ERROR_INDEX_OUT_OF_RANGE;
+    const bool full = scene.changed.size() >= XR_MAX_HAPTIC_MATERIALS_SET_OMNIX1;
+    if (full && scene.changed.count(index) == 0) return XR_ERROR_LIMIT_REACHED;
+    protocol::HapticMaterial message;
+    message.number = scene.number;
+    message.material = index;
+    message.parameters = scene.changed[index] = ToParameters(*material);
+    Send(message);
+    return XR_SUCCESS;
+  });
 }
 
 XrResult HapticScenes::MoveNodes(XrHapticSceneOMNIX1 handle, const XrHapticNodesUpdateInfoOMNIX1* info) {
-  if (!info || info->type != XR_TYPE_HAPTIC_NODES_UPDATE_INFO_OMNIX1 || info->nodeCount == 0 || !info->nodes)
-    return XR_ERROR_VALIDATION_FAILURE;
-  if (info->time <= 0) return XR_ERROR_TIME_INVALID;
-  for (uint32_t i = 0; i < info->nodeCount; ++i) {
-    const XrHapticNodePoseOMNIX1& node = info->nodes[i];
-    if (!IsUnitPose(node.pose)) return XR_ERROR_POSE_INVALID;
-    const bool known = (node.flags & ~XR_HAPTIC_NODE_POSE_TELEPORT_BIT_OMNIX1) == 0;
-    if (!known || !IsFinite(node.linearVelocity) || !IsFinite(node.angularVelocity)) return XR_ERROR_VALIDATION_FAILURE;
-  }
-  Motion X_OB;
-  bool is_there = true;
-  if (info->baseSpace != XR_NULL_HANDLE) {
-    std::shared_ptr<Session> session;
-    {
-      const std::lock_guard lock(mutex_);
-      const HapticScene* scene = Find(handle);
-      if (const XrResult ready = Ready(scene); ready != XR_SUCCESS) return ready;
-      session = instance_.sessions.Find(scene->session);
-    }
-    if (session == nullptr) return XR_ERROR_HANDLE_INVALID;
-    Located located;
-    const XrResult found = instance_.locator.LocateInBase(*session, info->baseSpace, info->time, located);
+  if (const XrResult result = CheckUpdate(info); XR_FAILED(result)) return result;
+  Located X_OB;
+  const bool in_document = info->baseSpace == XR_NULL_HANDLE;
+  if (!in_document) {
+    const XrResult found = Locate(handle, Need::kReady, info->baseSpace, info->time, X_OB);
     if (XR_FAILED(found)) return found;
-    is_there = IsThere(located);
-    X_OB = KnownMotion(located);
   }
-  const std::lock_guard lock(mutex_);
-  HapticScene* scene = Find(handle);
-  const XrResult ready = Ready(scene);
-  if (ready != XR_SUCCESS) return ready;
-  const double scale = scene->placement ? scene->placement->scale : 1;
-  std::map<std::uint32_t, protocol::HapticNodePose> nodes = scene->nodes;
-  std::vector<std::uint32_t> moved;
-  for (uint32_t i = 0; i < info->nodeCount; ++i) {
-    const XrHapticNodePoseOMNIX1& from = info->nodes[i];
-    const std::optional<std::uint32_t> object = ObjectOf(*scene, from.node);
-    const auto is_kinematic = [&] { return (scene->table.nodes[*object].flags & protocol::kNodeKinematic) != 0; };
-    if (!object || !is_kinematic()) return XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1;
-    if (!is_there) continue;
-    Motion X_GN{FromXr(from.pose), FromXr(from.linearVelocity), FromXr(from.angularVelocity)};
-    if (info->baseSpace != XR_NULL_HANDLE) {
-      X_GN = Compose(Inverse(scene->X_OG), Compose(X_OB, X_GN));
-      X_GN.X.p /= scale;
-      X_GN.v /= scale;
+  return WithScene(handle, Need::kReady, [&](HapticScene& scene) {
+    const bool is_there = in_document || IsThere(X_OB);
+    std::map<std::uint32_t, protocol::HapticNodePose> nodes = scene.nodes;
+    std::vector<std::uint32_t> moved;
+    for (const XrHapticNodePoseOMNIX1& from : std::span(info->nodes, info->nodeCount)) {
+      const std::optional<std::uint32_t> object = ObjectOf(scene, from.node, protocol::kNodeKinematic);
+      if (!object) return XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1;
+      if (!is_there) continue;
+      const protocol::HapticNodePose to = ToNodePose(scene, *object, from, in_document ? nullptr : &X_OB);
+      if (!InReach(to.pose)) return XR_ERROR_POSE_INVALID;
+      nodes[*object] = to;
+      if (std::find(moved.begin(), moved.end(), *object) == moved.end()) moved.push_back(*object);
     }
-    protocol::HapticNodePose to;
-    to.object = *object;
-    to.flags = (from.flags & XR_HAPTIC_NODE_POSE_TELEPORT_BIT_OMNIX1) != 0 ? protocol::kPoseLeaps : 0U;
-    to.pose = ToScenePose(FromRest(X_GN, scene->table.nodes[*object], scale));
-    if (!InReach(to.pose)) return XR_ERROR_POSE_INVALID;
-    nodes[*object] = to;
-    if (std::find(moved.begin(), moved.end(), *object) == moved.end()) moved.push_back(*object);
-  }
-  if (!is_there) return XR_SUCCESS;  // not locatable: the nodes stay where they were
-  if (nodes.size() > protocol::kMaxHapticNodesMoved) return XR_ERROR_LIMIT_REACHED;
-  scene->nodes = std::move(nodes);
-  scene->nodes_t_ns = std::max<std::int64_t>(0, instance_.clock.ToMonotonic(info->time));
-  protocol::HapticNodes message;
-  message.number = scene->number;
-  message.t_ns = scene->nodes_t_ns;
-  for (const std::uint32_t object : moved) message.nodes[message.count++] = scene->nodes[object];
-  instance_.link.With([&](client::Connection& connection) { connection.Send(message); });
-  return XR_SUCCESS;
+    if (!is_there) return XR_SUCCESS;  // not locatable: the nodes stay where they were
+    if (nodes.size() > protocol::kMaxHapticNodesMoved) return XR_ERROR_LIMIT_REACHED;
+    scene.nodes = std::move(nodes);
+    scene.nodes_t_ns = std::max<std::int64_t>(0, clock_.ToMonotonic(info->time));
+    protocol::HapticNodes message;
+    message.number = scene.number;
+    message.t_ns = scene.nodes_t_ns;
+    for (const std::uint32_t object : moved) message.nodes[message.count++] = scene.nodes[object];
+    Send(message);
+    return XR_SUCCESS;
+  });
 }
 
 }  // namespace omni::layer

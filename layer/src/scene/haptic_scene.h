@@ -12,13 +12,16 @@
 #include <vector>
 
 #include "layer/include/openxr/omni_haptic_scene.h"
+#include "layer/src/instance/clock.h"
+#include "layer/src/instance/event_queue.h"
+#include "layer/src/instance/records.h"
+#include "layer/src/service/service_link.h"
 #include "layer/src/spaces/locate.h"
 #include "service/base/unique_fd.h"
-#include "service/client/connection.h"
 
 namespace omni::layer {
 
-class Instance;
+class Locator;
 
 // The scene's own frame at the service (z up, scaled) against the document's (y up): x_Z = scale * C x_G.
 Pose DocumentAxes();  // C as a pose without translation
@@ -61,7 +64,9 @@ struct HapticScene {
 
 class HapticScenes {
  public:
-  explicit HapticScenes(Instance& instance) : instance_(instance) {}
+  HapticScenes(const HandleMap<XrSession, Session>& sessions, ServiceLink& link, const RuntimeClock& clock,
+               EventQueue& events, Locator& locator)
+      : sessions_(sessions), link_(link), clock_(clock), events_(events), locator_(locator) {}
 
   bool Contains(XrHapticSceneOMNIX1 handle) const;
 
@@ -92,24 +97,46 @@ class HapticScenes {
   bool IsOfDestroyed(const XrEventDataBuffer& event) const;
 
  private:
-  // All with the mutex held. Null: no such scene.
-  HapticScene* Find(XrHapticSceneOMNIX1 handle) const;
+  enum class Need {
+    kHandle,  // state, diagnostics, destruction
+    kUsable,  // has not failed
+    kReady    // has nodes and materials
+  };
+  // Calls body(scene) with the mutex held; an error if there is no such scene, or it does not meet the need.
+  template <class Body>
+  XrResult WithScene(XrHapticSceneOMNIX1 handle, Need need, Body body) {
+    const std::lock_guard lock(mutex_);
+    const XrResult result = Check(handle, need);
+    return XR_SUCCEEDED(result) ? body(*scene_) : result;
+  }
+  // Where a space is in the base frame. Without the mutex: it calls the runtime.
+  XrResult Locate(XrHapticSceneOMNIX1 handle, Need need, XrSpace space, XrTime time, Located& X_OS);
+  template <class Message>
+  void Send(const Message& message) {
+    link_.With([&](client::Connection& connection) { connection.Send(message); });
+  }
+
+  // All with the mutex held.
+  XrResult Check(XrHapticSceneOMNIX1 handle, Need need) const;
   void End();
   void HandleUpdates();
   void NotifyAll();
   void SetStatus(XrHapticSceneStatusOMNIX1 status);
-  XrResult Usable(const HapticScene* scene) const;  // for all but state, diagnostics and destruction
-  XrResult Ready(const HapticScene* scene) const;   // has nodes and materials
 
-  Instance& instance_;
+  const HandleMap<XrSession, Session>& sessions_;
+  ServiceLink& link_;
+  const RuntimeClock& clock_;
+  EventQueue& events_;
+  Locator& locator_;
   mutable std::mutex mutex_;
   std::unique_ptr<HapticScene> scene_;
   std::uint32_t scenes_made_ = 0;
 };
 
 XrHapticNodeIdOMNIX1 NodeIdOf(const HapticScene& scene, std::uint32_t object) noexcept;
-// The object of a node of this scene; none: nothing.
-std::optional<std::uint32_t> ObjectOf(const HapticScene& scene, XrHapticNodeIdOMNIX1 node) noexcept;
+// The object of a node of this scene that has one of these flags; none: nothing.
+std::optional<std::uint32_t> ObjectOf(const HapticScene& scene, XrHapticNodeIdOMNIX1 node,
+                                      std::uint32_t any_of_flags) noexcept;
 
 bool IsUnitPose(const XrPosef& pose) noexcept;
 

@@ -2,7 +2,7 @@
 #include <cstring>
 #include <utility>
 
-#include "layer/src/instance/instance.h"
+#include "layer/src/scene/haptic_scene.h"
 #include "service/base/clock.h"
 
 namespace omni::layer {
@@ -32,10 +32,13 @@ void HapticScenes::SetStatus(XrHapticSceneStatusOMNIX1 status) {
   if (scene_->status == status) return;
   scene_->status = status;
   scene_->ever_ready = scene_->ever_ready || status == XR_HAPTIC_SCENE_STATUS_READY_OMNIX1;
-  const XrEventDataHapticSceneStateChangedOMNIX1 changed{
-      XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1, nullptr, scene_->session, scene_->handle, status,
-      instance_.clock.ToXr(base::MonotonicNow_ns())};
-  instance_.events.Push(changed);
+  const XrEventDataHapticSceneStateChangedOMNIX1 changed{XR_TYPE_EVENT_DATA_HAPTIC_SCENE_STATE_CHANGED_OMNIX1,
+                                                         nullptr,
+                                                         scene_->session,
+                                                         scene_->handle,
+                                                         status,
+                                                         clock_.ToXr(base::MonotonicNow_ns())};
+  events_.Push(changed);
 }
 
 bool HapticScenes::IsOfDestroyed(const XrEventDataBuffer& event) const {
@@ -51,7 +54,7 @@ void HapticScenes::HandleUpdates() {
     std::uint64_t welcomes = 0;
     std::vector<client::HapticSceneUpdate> updates;
   };
-  News news = instance_.link.With([](client::Connection& connection) {
+  News news = link_.With([](client::Connection& connection) {
     return News{connection.connected(), connection.welcomes(), connection.PopHapticSceneUpdates()};
   });
   const bool failed = scene_->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1;
@@ -78,7 +81,7 @@ void HapticScenes::HandleUpdates() {
 // All of it, once per connection: what cannot be sent is retried at the next poll.
 void HapticScenes::NotifyAll() {
   if (scene_->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1) return;
-  scene_->sent = instance_.link.With([this](client::Connection& connection) -> std::uint64_t {
+  scene_->sent = link_.With([this](client::Connection& connection) -> std::uint64_t {
     if (!connection.connected() || scene_->sent == connection.welcomes()) return scene_->sent;
     protocol::HapticSceneLoad load;
     load.number = scene_->number;

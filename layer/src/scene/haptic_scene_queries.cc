@@ -2,8 +2,9 @@
 #include <algorithm>
 #include <cstring>
 
-#include "layer/src/instance/instance.h"
+#include "layer/src/entry/two_call.h"
 #include "layer/src/scene/haptic_material.h"
+#include "layer/src/scene/haptic_scene.h"
 
 namespace omni::layer {
 namespace {
@@ -35,8 +36,55 @@ glm::dvec3 ToVector(const std::array<double, 3>& v) noexcept { return {v[0], v[1
 
 constexpr std::uint32_t kChangesShape = protocol::kNodeSoft | protocol::kNodeSculptable | protocol::kNodeExtrudable;
 
-// The two-call idiom for one of two arrays. False: there is room, but not enough.
+// The two-call idiom for an array of the application's structures, all of which must have this type.
+template <class T, class Write>
+XrResult FillTyped(XrStructureType type, std::size_t n, uint32_t capacity, uint32_t* count, T* out, Write write) {
+  const XrResult result = CheckCapacity(n, capacity, count, out);
+  if (result != XR_SUCCESS || capacity == 0) return result;
+  if (std::any_of(out, out + n, [type](const T& one) { return one.type != type; })) return XR_ERROR_VALIDATION_FAILURE;
+  for (std::size_t i = 0; i < n; ++i) write(i, out[i]);
+  return XR_SUCCESS;
+}
+
+// The same for one of two arrays. False: there is room, but not enough.
 bool Fits(std::uint32_t capacity, std::uint32_t count) noexcept { return capacity == 0 || capacity >= count; }
+
+// What the tick has published last of an object. False: nothing yet.
+bool ReadSurface(const client::SurfaceReader& reader, std::uint32_t object, client::SurfaceCopy& copy) {
+  for (std::size_t i = 0; i < reader.object_count(); ++i) {
+    if (reader.object(i).object == object && reader.Read(i, copy) != client::SurfaceRead::kNothing)
+      return copy.frame.t_ns > 0;
+  }
+  return false;
+}
+
+// The sizes, and the arrays where there is room for them.
+XrResult Put(const client::SurfaceCopy& copy, double scale, XrHapticNodeMeshOMNIX1& mesh) {
+  const auto vertex_count = static_cast<uint32_t>(copy.vertices_base_m.size());
+  const auto index_count = static_cast<uint32_t>(3 * copy.triangles.size());
+  mesh.vertexCountOutput = vertex_count;
+  mesh.indexCountOutput = index_count;
+  const bool fits = Fits(mesh.vertexCapacityInput, vertex_count) && Fits(mesh.indexCapacityInput, index_count);
+  if (!fits) return XR_ERROR_SIZE_INSUFFICIENT;
+  mesh.vertexChange = copy.frame.vertex_change;
+  mesh.indexChange = copy.frame.triangle_change;
+  mesh.maxDisplacement = static_cast<float>(copy.frame.largest_displacement_m / scale);
+  if (!fits) return XR_ERROR_SIZE_INSUFFICIENT;
+  const auto per_scale = static_cast<float>(1 / scale);
+  if (mesh.vertexCapacityInput > 0) {
+    // (x, y, z) of the service's frame of the scene, z up, is (x, z, -y) of the document's.
+    std::transform(copy.vertices_base_m.begin(), copy.vertices_base_m.end(), mesh.vertices,
+                   [per_scale](const protocol::SurfacePoint& p) {
+                     return XrVector3f{per_scale * p[0], per_scale * p[2], -per_scale * p[1]};
+                   });
+  }
+  if (mesh.indexCapacityInput > 0) {
+    uint32_t* to = mesh.indices;
+    for (const protocol::SurfaceTriangle& triangle : copy.triangles)
+      to = std::copy(triangle.begin(), triangle.end(), to);
+  }
+  return XR_SUCCESS;
+}
 
 }  // namespace
 
@@ -44,40 +92,31 @@ XrResult HapticScenes::Nodes(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint
                              XrHapticSceneNodeOMNIX1* nodes) {
   if (!count || (capacity > 0 && !nodes)) return XR_ERROR_VALIDATION_FAILURE;
   Poll();
-  const std::lock_guard lock(mutex_);
-  const HapticScene* scene = Find(handle);
-  const XrResult ready = Ready(scene);
-  if (ready != XR_SUCCESS) return ready;
-  *count = static_cast<uint32_t>(scene->table.nodes.size());
-  if (capacity == 0) return XR_SUCCESS;
-  if (capacity < *count) return XR_ERROR_SIZE_INSUFFICIENT;
-  for (uint32_t i = 0; i < *count; ++i)
-    if (nodes[i].type != XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
-  for (uint32_t i = 0; i < *count; ++i) {
-    const protocol::HapticNodeRow& row = scene->table.nodes[i];
-    nodes[i].node = NodeIdOf(*scene, i);
-    nodes[i].gltfNode = row.gltf_node;
-    nodes[i].flags = NodeFlags(row.flags);
-    nodes[i].materialIndex = row.material;
-    nodes[i].triangleCount = row.triangle_count;
-    nodes[i].restPose = RestPoseOf(row);
-    static_assert(sizeof(nodes[i].name) == sizeof(row.name));
-    std::memcpy(nodes[i].name, row.name, sizeof(row.name));
-  }
-  return XR_SUCCESS;
+  return WithScene(handle, Need::kReady, [&](const HapticScene& scene) {
+    const auto write = [&](std::size_t i, XrHapticSceneNodeOMNIX1& node) {
+      const protocol::HapticNodeRow& row = scene.table.nodes[i];
+      node.node = NodeIdOf(scene, static_cast<std::uint32_t>(i));
+      node.gltfNode = row.gltf_node;
+      node.flags = NodeFlags(row.flags);
+      node.materialIndex = row.material;
+      node.triangleCount = row.triangle_count;
+      node.restPose = RestPoseOf(row);
+      static_assert(sizeof(node.name) == sizeof(row.name));
+      std::memcpy(node.name, row.name, sizeof(row.name));
+    };
+    return FillTyped(XR_TYPE_HAPTIC_SCENE_NODE_OMNIX1, scene.table.nodes.size(), capacity, count, nodes, write);
+  });
 }
 
 XrResult HapticScenes::Material(XrHapticSceneOMNIX1 handle, uint32_t index, XrHapticMaterialOMNIX1* out) {
   if (!out || out->type != XR_TYPE_HAPTIC_MATERIAL_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
   Poll();
-  const std::lock_guard lock(mutex_);
-  const HapticScene* scene = Find(handle);
-  const XrResult ready = Ready(scene);
-  if (ready != XR_SUCCESS) return ready;
-  if (index >= scene->table.materials.size()) return XR_ERROR_INDEX_OUT_OF_RANGE;
-  const auto changed = scene->changed.find(index);
-  Put(changed != scene->changed.end() ? changed->second : scene->table.materials[index], *out);
-  return XR_SUCCESS;
+  return WithScene(handle, Need::kReady, [&](const HapticScene& scene) {
+    if (index >= scene.table.materials.size()) return XR_ERROR_INDEX_OUT_OF_RANGE;
+    const auto changed = scene.changed.find(index);
+    Put(changed != scene.changed.end() ? changed->second : scene.table.materials[index], *out);
+    return XR_SUCCESS;
+  });
 }
 
 XrResult HapticScenes::Contacts(XrHapticSceneOMNIX1 handle, const XrHapticContactsGetInfoOMNIX1* info,
@@ -86,49 +125,32 @@ XrResult HapticScenes::Contacts(XrHapticSceneOMNIX1 handle, const XrHapticContac
     return XR_ERROR_VALIDATION_FAILURE;
   if (info->time <= 0) return XR_ERROR_TIME_INVALID;
   Poll();
-  std::shared_ptr<Session> session;
-  std::uint64_t generation = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    const HapticScene* scene = Find(handle);
-    const XrResult ready = Ready(scene);
-    if (ready != XR_SUCCESS) return ready;
-    session = instance_.sessions.Find(scene->session);
-    generation = scene->state.generation;
-  }
-  if (session == nullptr) return XR_ERROR_HANDLE_INVALID;
   Located X_OS;
-  const XrResult located = instance_.locator.LocateInBase(*session, info->baseSpace, info->time, X_OS);
+  const XrResult located = Locate(handle, Need::kReady, info->baseSpace, info->time, X_OS);
   if (XR_FAILED(located)) return located;
-  protocol::ContactSnapshot snapshot;
-  const auto reader = instance_.link.reader();
-  const bool known = generation != 0 && (X_OS.flags & kValid) == kValid && reader && reader->Contacts(snapshot) &&
-                     snapshot.scene_generation == generation;
-  const std::lock_guard lock(mutex_);
-  const HapticScene* scene = Find(handle);
-  if (scene == nullptr) return XR_ERROR_HANDLE_INVALID;
-  if (!known) snapshot.count = 0;
-  *count = snapshot.count;
-  if (capacity == 0) return XR_SUCCESS;
-  if (capacity < snapshot.count) return XR_ERROR_SIZE_INSUFFICIENT;
-  for (uint32_t i = 0; i < snapshot.count; ++i)
-    if (contacts[i].type != XR_TYPE_HAPTIC_CONTACT_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
-  const Pose X_SO = Inverse(X_OS.motion.X);
-  for (uint32_t i = 0; i < snapshot.count; ++i) {
-    const protocol::ContactSample& from = snapshot.contacts[i];
-    contacts[i].node =
-        from.object < scene->table.nodes.size() ? NodeIdOf(*scene, from.object) : XR_NULL_HAPTIC_NODE_ID_OMNIX1;
-    contacts[i].materialIndex = from.material;
-    contacts[i].point = ToXr(X_SO.p + X_SO.q * ToVector(from.point_base_m));
-    contacts[i].normal = ToXr(X_SO.q * ToVector(from.normal_base));
-    contacts[i].force = ToXr(X_SO.q * ToVector(from.force_base_N));
-    contacts[i].normalForce = static_cast<float>(from.normal_force_N);
-    contacts[i].tangentialForce = static_cast<float>(from.tangential_force_N);
-    contacts[i].penetration = static_cast<float>(from.penetration_m);
-    contacts[i].slipVelocity = ToXr(X_SO.q * ToVector(from.slip_base_m_s));
-    contacts[i].time = instance_.clock.ToXr(snapshot.t_ns);
-  }
-  return XR_SUCCESS;
+  return WithScene(handle, Need::kHandle, [&](const HapticScene& scene) {
+    const std::uint64_t generation = scene.state.generation;
+    protocol::ContactSnapshot snapshot;
+    const auto reader = link_.reader();
+    const bool known = generation != 0 && (X_OS.flags & kValid) == kValid && reader && reader->Contacts(snapshot) &&
+                       snapshot.scene_generation == generation;
+    const Pose X_SO = Inverse(X_OS.motion.X);
+    const auto write = [&](std::size_t i, XrHapticContactOMNIX1& contact) {
+      const protocol::ContactSample& from = snapshot.contacts[i];
+      contact.node =
+          from.object < scene.table.nodes.size() ? NodeIdOf(scene, from.object) : XR_NULL_HAPTIC_NODE_ID_OMNIX1;
+      contact.materialIndex = from.material;
+      contact.point = ToXr(X_SO.p + X_SO.q * ToVector(from.point_base_m));
+      contact.normal = ToXr(X_SO.q * ToVector(from.normal_base));
+      contact.force = ToXr(X_SO.q * ToVector(from.force_base_N));
+      contact.normalForce = static_cast<float>(from.normal_force_N);
+      contact.tangentialForce = static_cast<float>(from.tangential_force_N);
+      contact.penetration = static_cast<float>(from.penetration_m);
+      contact.slipVelocity = ToXr(X_SO.q * ToVector(from.slip_base_m_s));
+      contact.time = clock_.ToXr(snapshot.t_ns);
+    };
+    return FillTyped(XR_TYPE_HAPTIC_CONTACT_OMNIX1, known ? snapshot.count : 0, capacity, count, contacts, write);
+  });
 }
 
 XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGetInfoOMNIX1* info,
@@ -139,53 +161,22 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
     return XR_ERROR_VALIDATION_FAILURE;
   }
   Poll();
-  const std::lock_guard lock(mutex_);
-  HapticScene* scene = Find(handle);
-  const XrResult ready = Ready(scene);
-  if (ready != XR_SUCCESS) return ready;
-  const std::optional<std::uint32_t> object = ObjectOf(*scene, info->node);
-  const auto changes = [&] { return (scene->table.nodes[*object].flags & kChangesShape) != 0; };
-  if (!object || !changes()) return XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1;
-  const bool ask = !std::exchange(scene->surfaces_asked, true);
-  const auto reader = instance_.link.With([ask](client::Connection& connection) {
-    if (ask) connection.RequestSurfaces(true);
-    return connection.surfaces();
+  return WithScene(handle, Need::kReady, [&](HapticScene& scene) {
+    const std::optional<std::uint32_t> object = ObjectOf(scene, info->node, kChangesShape);
+    if (!object) return XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1;
+    const bool ask = !std::exchange(scene.surfaces_asked, true);
+    const auto reader = link_.With([ask](client::Connection& connection) {
+      if (ask) connection.RequestSurfaces(true);
+      return connection.surfaces();
+    });
+    const bool of_this = reader && reader->scene_generation() == scene.state.generation;
+    if (!of_this) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
+    client::SurfaceCopy& copy = scene.surfaces[*object];
+    if (!ReadSurface(*reader, *object, copy)) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
+    const XrResult result = Put(copy, scene.state.scale, *mesh);
+    if (XR_SUCCEEDED(result)) mesh->time = clock_.ToXr(copy.frame.t_ns);
+    return result;
   });
-  const bool of_this = reader && reader->scene_generation() == scene->state.generation;
-  if (!of_this) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;
-  client::SurfaceCopy& copy = scene->surfaces[*object];
-  bool found = false;
-  for (std::size_t i = 0; i < reader->object_count() && !found; ++i) {
-    if (reader->object(i).object != *object) continue;
-    found = reader->Read(i, copy) != client::SurfaceRead::kNothing;
-  }
-  if (!found || copy.frame.t_ns <= 0) return XR_ERROR_HAPTIC_SCENE_NOT_READY_OMNIX1;  // not published by a tick yet
-  const auto vertex_count = static_cast<uint32_t>(copy.vertices_base_m.size());
-  const auto index_count = static_cast<uint32_t>(3 * copy.triangles.size());
-  const double scale = scene->state.scale;
-  mesh->vertexCountOutput = vertex_count;
-  mesh->indexCountOutput = index_count;
-  const bool fits = Fits(mesh->vertexCapacityInput, vertex_count) && Fits(mesh->indexCapacityInput, index_count);
-  if (!fits) return XR_ERROR_SIZE_INSUFFICIENT;
-  mesh->time = instance_.clock.ToXr(copy.frame.t_ns);
-  mesh->vertexChange = copy.frame.vertex_change;
-  mesh->indexChange = copy.frame.triangle_change;
-  mesh->maxDisplacement = static_cast<float>(copy.frame.largest_displacement_m / scale);
-  if (!fits) return XR_ERROR_SIZE_INSUFFICIENT;
-  const auto per_scale = static_cast<float>(1 / scale);
-  if (mesh->vertexCapacityInput > 0) {
-    // (x, y, z) of the service's frame of the scene, z up, is (x, z, -y) of the document's.
-    std::transform(copy.vertices_base_m.begin(), copy.vertices_base_m.end(), mesh->vertices,
-                   [per_scale](const protocol::SurfacePoint& p) {
-                     return XrVector3f{per_scale * p[0], per_scale * p[2], -per_scale * p[1]};
-                   });
-  }
-  if (mesh->indexCapacityInput > 0) {
-    uint32_t* to = mesh->indices;
-    for (const protocol::SurfaceTriangle& triangle : copy.triangles)
-      to = std::copy(triangle.begin(), triangle.end(), to);
-  }
-  return XR_SUCCESS;
 }
 
 }  // namespace omni::layer
