@@ -1,6 +1,6 @@
 // Reading input. The next layer is always called first: it validates, and its answer is returned unless the pen
 // contributes.
-#include "layer/src/instance/instance.h"
+#include "layer/src/actions/input.h"
 #include "service/base/clock.h"
 
 namespace omni::layer {
@@ -8,10 +8,9 @@ namespace {
 
 // Fills `state` with what the last sync found, if the pen has contributed in this session.
 template <class State, class Assign>
-void Overlay(const Instance& instance, XrSession session, const XrActionStateGetInfo& info, State& state,
-             Assign assign) {
-  const auto record = instance.sessions.Find(session);
-  const auto action = record ? instance.actions.Find(info.action) : nullptr;
+void Overlay(const Records& records, XrSession session, const XrActionStateGetInfo& info, State& state, Assign assign) {
+  const auto record = records.sessions.Find(session);
+  const auto action = record ? records.actions.Find(info.action) : nullptr;
   if (!action) return;
   const std::shared_lock lock(record->mutex);
   const ActionState* merged = record->actions.Find(*action, info.subactionPath);
@@ -30,10 +29,10 @@ void AssignTimes(const ActionState& merged, State& state) {
 
 XrResult Input::GetActionStateBoolean(XrSession session, const XrActionStateGetInfo* info,
                                       XrActionStateBoolean* state) {
-  const XrResult result = instance_.next.GetActionStateBoolean(session, info, state);
-  instance_.link.Beat();
+  const XrResult result = runtime_.next.GetActionStateBoolean(session, info, state);
+  link_.Beat();
   if (XR_FAILED(result)) return result;
-  Overlay(instance_, session, *info, *state, [](const ActionState& merged, XrActionStateBoolean& out) {
+  Overlay(records_, session, *info, *state, [](const ActionState& merged, XrActionStateBoolean& out) {
     out.currentState = merged.value.x > kPressThreshold ? XR_TRUE : XR_FALSE;
     AssignTimes(merged, out);
   });
@@ -41,10 +40,10 @@ XrResult Input::GetActionStateBoolean(XrSession session, const XrActionStateGetI
 }
 
 XrResult Input::GetActionStateFloat(XrSession session, const XrActionStateGetInfo* info, XrActionStateFloat* state) {
-  const XrResult result = instance_.next.GetActionStateFloat(session, info, state);
-  instance_.link.Beat();
+  const XrResult result = runtime_.next.GetActionStateFloat(session, info, state);
+  link_.Beat();
   if (XR_FAILED(result)) return result;
-  Overlay(instance_, session, *info, *state, [&](const ActionState& merged, XrActionStateFloat& out) {
+  Overlay(records_, session, *info, *state, [&](const ActionState& merged, XrActionStateFloat& out) {
     out.currentState = merged.value.x;
     AssignTimes(merged, out);
   });
@@ -53,10 +52,10 @@ XrResult Input::GetActionStateFloat(XrSession session, const XrActionStateGetInf
 
 XrResult Input::GetActionStateVector2f(XrSession session, const XrActionStateGetInfo* info,
                                        XrActionStateVector2f* state) {
-  const XrResult result = instance_.next.GetActionStateVector2f(session, info, state);
-  instance_.link.Beat();
+  const XrResult result = runtime_.next.GetActionStateVector2f(session, info, state);
+  link_.Beat();
   if (XR_FAILED(result)) return result;
-  Overlay(instance_, session, *info, *state, [](const ActionState& merged, XrActionStateVector2f& out) {
+  Overlay(records_, session, *info, *state, [](const ActionState& merged, XrActionStateVector2f& out) {
     out.currentState = merged.value;
     AssignTimes(merged, out);
   });
@@ -64,10 +63,10 @@ XrResult Input::GetActionStateVector2f(XrSession session, const XrActionStateGet
 }
 
 XrResult Input::GetActionStatePose(XrSession session, const XrActionStateGetInfo* info, XrActionStatePose* state) {
-  const XrResult result = instance_.next.GetActionStatePose(session, info, state);
-  instance_.link.Beat();
+  const XrResult result = runtime_.next.GetActionStatePose(session, info, state);
+  link_.Beat();
   if (XR_FAILED(result)) return result;
-  Overlay(instance_, session, *info, *state, [](const ActionState&, XrActionStatePose&) {});
+  Overlay(records_, session, *info, *state, [](const ActionState&, XrActionStatePose&) {});
   return result;
 }
 

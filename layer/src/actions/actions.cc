@@ -2,7 +2,7 @@
 #include <cstring>
 #include <string>
 
-#include "layer/src/instance/instance.h"
+#include "layer/src/actions/input.h"
 #include "service/base/clock.h"
 
 namespace omni::layer {
@@ -50,76 +50,76 @@ class NextStates : public RuntimeStates {
 }  // namespace
 
 XrResult Input::CreateActionSet(const XrActionSetCreateInfo* info, XrActionSet* set) {
-  const XrResult result = instance_.next.CreateActionSet(instance_.handle, info, set);
-  instance_.link.Beat();
+  const XrResult result = runtime_.next.CreateActionSet(runtime_.handle, info, set);
+  link_.Beat();
   if (XR_FAILED(result)) return result;
   auto record = std::make_shared<ActionSet>();
   record->handle = *set;
   record->priority = info->priority;
-  instance_.action_sets.Insert(*set, std::move(record));
+  records_.action_sets.Insert(*set, std::move(record));
   return result;
 }
 
 XrResult Input::DestroyActionSet(XrActionSet set) {
-  const XrResult result = instance_.next.DestroyActionSet(set);
-  instance_.link.Beat();
+  const XrResult result = runtime_.next.DestroyActionSet(set);
+  link_.Beat();
   if (XR_FAILED(result)) return result;
-  instance_.actions.EraseIf([set](Action& action) {
+  records_.actions.EraseIf([set](Action& action) {
     if (action.set->handle != set) return false;
     action.destroyed = true;
     return true;
   });
-  instance_.action_sets.Erase(set);
+  records_.action_sets.Erase(set);
   return result;
 }
 
 XrResult Input::CreateAction(XrActionSet set, const XrActionCreateInfo* info, XrAction* action) {
-  const XrResult result = instance_.next.CreateAction(set, info, action);
-  instance_.link.Beat();
+  const XrResult result = runtime_.next.CreateAction(set, info, action);
+  link_.Beat();
   if (XR_FAILED(result)) return result;
   auto record = std::make_shared<Action>();
   record->handle = *action;
-  record->set = instance_.action_sets.Find(set);
+  record->set = records_.action_sets.Find(set);
   record->type = info->actionType;
   record->subactions.assign(info->subactionPaths, info->subactionPaths + info->countSubactionPaths);
-  if (record->set) instance_.actions.Insert(*action, std::move(record));
+  if (record->set) records_.actions.Insert(*action, std::move(record));
   return result;
 }
 
 XrResult Input::DestroyAction(XrAction action) {
-  const auto record = instance_.actions.Find(action);
-  const XrResult result = instance_.next.DestroyAction(action);
-  instance_.link.Beat();
+  const auto record = records_.actions.Find(action);
+  const XrResult result = runtime_.next.DestroyAction(action);
+  link_.Beat();
   if (XR_FAILED(result)) return result;
   if (record) record->destroyed = true;
   if (record && !record->set->attached) record->withdrawn = true;
-  instance_.actions.Erase(action);
+  records_.actions.Erase(action);
   return result;
 }
 
 XrResult Input::AttachSessionActionSets(XrSession session, const XrSessionActionSetsAttachInfo* info) {
-  const XrResult result = instance_.next.AttachSessionActionSets(session, info);
-  instance_.Alive();
-  const auto record = instance_.sessions.Find(session);
+  const XrResult result = runtime_.next.AttachSessionActionSets(session, info);
+  link_.Beat();
+  link_.Poll(base::MonotonicNow_ns());
+  const auto record = records_.sessions.Find(session);
   if (XR_FAILED(result) || !record) return result;
   std::vector<std::shared_ptr<ActionSet>> sets;
   for (std::uint32_t i = 0; i < info->countActionSets; ++i) {
-    if (auto set = instance_.action_sets.Find(info->actionSets[i])) {
+    if (auto set = records_.action_sets.Find(info->actionSets[i])) {
       set->attached = true;
       sets.push_back(std::move(set));
     }
   }
-  const Suggestions suggestions = instance_.bindings.Suggested();
+  const Suggestions suggestions = bindings_.Suggested();
   // Actions that were destroyed since they were suggested keep working; their suggestions keep them alive.
-  std::vector<std::shared_ptr<Action>> candidates = instance_.actions.Values();
+  std::vector<std::shared_ptr<Action>> candidates = records_.actions.Values();
   for (const auto& [profile, entries] : suggestions)
     for (const Suggestion& entry : entries)
       if (!entry.action->withdrawn) candidates.push_back(entry.action);
   const std::unique_lock lock(record->mutex);
   record->actions.Attach(sets, candidates, suggestions);
   if (record->actions.preference_unusable())
-    instance_.log.Line(
-        "the preferred profile has no suggested binding that the pen serves; using the best of the others");
+    log_.Line("the preferred profile has no suggested binding that the pen serves; using the best of the others");
   return result;
 }
 
@@ -128,7 +128,7 @@ std::vector<ActiveSet> Input::ActiveSets(const XrActionsSyncInfo& info) const {
   std::vector<ActiveSet> out;
   for (std::uint32_t i = 0; i < info.countActiveActionSets; ++i) {
     const XrActiveActionSet& active = info.activeActionSets[i];
-    auto set = instance_.action_sets.Find(active.actionSet);
+    auto set = records_.action_sets.Find(active.actionSet);
     if (!set) continue;
     const std::uint32_t priority = set->priority;
     out.push_back({std::move(set), active.subactionPath, priority});
@@ -153,56 +153,42 @@ bool Input::PutDown(Session& session, const PenSnapshot& pen) {
     return false;
   }
   RestLimits limits;
-  const float wished_s = instance_.link.settings().rest_after_s;
+  const float wished_s = link_.settings().rest_after_s;
   if (wished_s > 0) limits.still_ns = static_cast<std::int64_t>(1e9 * static_cast<double>(wished_s));
   if (wished_s < 0) limits.still_ns = 0;
   return session.rest.Update(pen, limits) &&
-         instance_.bindings.ProfileBelow(session.handle, session.actions.hand_path()) != XR_NULL_PATH;
+         bindings_.ProfileBelow(session.handle, session.actions.hand_path()) != XR_NULL_PATH;
 }
 
-XrResult Input::SyncActions(XrSession session, const XrActionsSyncInfo* info) {
-  const XrResult result = instance_.next.SyncActions(session, info);
-  instance_.Alive();
-  const auto record = instance_.sessions.Find(session);
-  if (XR_FAILED(result) || !record) return result;
-  Sync(*record, *info, result != XR_SESSION_NOT_FOCUSED);
-  instance_.render_models.Follow(record);
-  return result;
-}
-
-// The runtime has synced.
-void Input::Sync(Session& session, const XrActionsSyncInfo& info, bool focused) {
-  const std::int64_t now = base::MonotonicNow_ns();
-  instance_.clock.Refresh(now);
+void Input::Sync(Session& session, const XrActionsSyncInfo& info, bool focused, std::int64_t now_ns) {
   SyncInput input;
   input.focused = focused;
-  if (session.running) instance_.SetFocus(session, input.focused);
   input.active = ActiveSets(info);
-  input.choice = instance_.Choice();
+  input.choice = link_.choice();
   input.start_edges = session.focus_was_lost.exchange(false);
   TestInputs test;
-  if (instance_.link.test() && instance_.link.test()->in_control()) {
-    test = instance_.link.test()->inputs();
+  if (link_.test() && link_.test()->in_control()) {
+    test = link_.test()->inputs();
     input.test = &test;
     input.choice.profile = test.profile;
   }
-  instance_.force_feedbacks.FollowConstraints();
-  instance_.force_feedbacks.Watch();
 
   const std::unique_lock lock(session.mutex);
-  input.pen = session.pen = instance_.link.Read(now, session.pen);
+  input.pen = session.pen = link_.Read(now_ns, session.pen);
   input.put_down = !input.test && PutDown(session, input.pen);
   SessionActions& state = session.actions;
-  const Profile* before[] = {state.ProfileAt(instance_.hand_paths[0]), state.ProfileAt(instance_.hand_paths[1])};
-  state.Sync(input, NextStates(instance_.next, session.handle), instance_.clock, instance_.clock.ToXr(now));
-  instance_.locator.UpdateSpaces(session);
-  for (const Pulse& pulse : state.PopPulses()) instance_.vibrations.Play(pulse);
-  for (std::size_t hand = 0; hand < instance_.hand_paths.size(); ++hand) {
-    const Profile* after = state.ProfileAt(instance_.hand_paths[hand]);
+  const Profile* before[] = {state.ProfileAt(runtime_.hand_paths[0]), state.ProfileAt(runtime_.hand_paths[1])};
+  state.Sync(input, NextStates(runtime_.next, session.handle), clock_, clock_.ToXr(now_ns));
+  records_.spaces.ForEach([&](Space& space) {
+    if (space.action && space.session.get() == &session) state.Serve(space);
+  });
+  for (const Pulse& pulse : state.PopPulses()) vibrations_.Play(pulse);
+  for (std::size_t hand = 0; hand < runtime_.hand_paths.size(); ++hand) {
+    const Profile* after = state.ProfileAt(runtime_.hand_paths[hand]);
     if (before[hand] == after) continue;
     const std::string side(UserPath(static_cast<Hand>(hand)));
-    instance_.log.Line(side + (after ? ": the pen, as " + after->path : ": the pen is gone or put down"));
-    instance_.bindings.NotifyProfileChange(session, instance_.hand_paths[hand], before[hand], after);
+    log_.Line(side + (after ? ": the pen, as " + after->path : ": the pen is gone or put down"));
+    bindings_.NotifyProfileChange(session, runtime_.hand_paths[hand], before[hand], after);
   }
 }
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <string>
 
-#include "layer/src/instance/instance.h"
+#include "layer/src/actions/bindings.h"
 
 namespace omni::layer {
 namespace {
@@ -23,24 +23,24 @@ std::vector<XrActionSuggestedBinding> BindingsOf(const XrInteractionProfileSugge
 }  // namespace
 
 bool Bindings::OnlyOurs(const Profile& profile) const {
-  return !profile.extension.empty() && instance_.OnlyOurs(profile.extension);
+  return !profile.extension.empty() && runtime_.OnlyOurs(profile.extension);
 }
 
 // A path that an extension of ours adds to a profile that the runtime knows.
 bool Bindings::OnlyOurs(const Profile& profile, std::string_view full_path) const {
-  return AnyHandHas(profile, full_path, instance_.enabled()) &&
-         !AnyHandHas(profile, full_path, instance_.enabled_below());
+  return AnyHandHas(profile, full_path, runtime_.enabled()) &&
+         !AnyHandHas(profile, full_path, runtime_.enabled_below());
 }
 
 // The runtime's checks of its own profiles, for those that it does not know.
 XrResult Bindings::CheckSuggestions(const Profile& profile, const std::vector<XrActionSuggestedBinding>& suggested) {
   if (suggested.empty()) return XR_ERROR_VALIDATION_FAILURE;
   for (const XrActionSuggestedBinding& binding : suggested) {
-    const auto action = instance_.actions.Find(binding.action);
+    const auto action = records_.actions.Find(binding.action);
     if (!action) return XR_ERROR_HANDLE_INVALID;
-    const std::string path = instance_.PathText(binding.binding);
+    const std::string path = runtime_.PathText(binding.binding);
     if (path.empty()) return XR_ERROR_PATH_INVALID;
-    if (!AnyHandHas(profile, path, instance_.enabled())) return XR_ERROR_PATH_UNSUPPORTED;
+    if (!AnyHandHas(profile, path, runtime_.enabled())) return XR_ERROR_PATH_UNSUPPORTED;
     if (action->set->attached) return XR_ERROR_ACTIONSETS_ALREADY_ATTACHED;
   }
   return XR_SUCCESS;
@@ -51,16 +51,16 @@ XrResult Bindings::Forward(const XrInteractionProfileSuggestedBinding& suggested
   std::vector<XrActionSuggestedBinding> ours;
   std::vector<XrActionSuggestedBinding> theirs;
   for (const XrActionSuggestedBinding& binding : BindingsOf(suggested)) {
-    const bool only_ours = known && OnlyOurs(*known, instance_.PathText(binding.binding));
+    const bool only_ours = known && OnlyOurs(*known, runtime_.PathText(binding.binding));
     (only_ours ? ours : theirs).push_back(binding);
   }
-  if (ours.empty()) return instance_.next.SuggestInteractionProfileBindings(instance_.handle, &suggested);
+  if (ours.empty()) return runtime_.next.SuggestInteractionProfileBindings(runtime_.handle, &suggested);
   const XrResult checked = CheckSuggestions(*known, ours);
   if (XR_FAILED(checked) || theirs.empty()) return checked;
   XrInteractionProfileSuggestedBinding info = suggested;
   info.countSuggestedBindings = static_cast<std::uint32_t>(theirs.size());
   info.suggestedBindings = theirs.data();
-  return instance_.next.SuggestInteractionProfileBindings(instance_.handle, &info);
+  return runtime_.next.SuggestInteractionProfileBindings(runtime_.handle, &info);
 }
 
 // A second suggestion for a profile replaces the first.
@@ -68,9 +68,9 @@ void Bindings::Record(const std::string& profile_path, const XrInteractionProfil
                       const std::vector<BindingThreshold>& thresholds) {
   std::vector<Suggestion> entries;
   for (const XrActionSuggestedBinding& binding : BindingsOf(suggested)) {
-    auto action = instance_.actions.Find(binding.action);
+    auto action = records_.actions.Find(binding.action);
     if (!action) continue;
-    Suggestion entry{std::move(action), instance_.PathText(binding.binding), std::nullopt};
+    Suggestion entry{std::move(action), runtime_.PathText(binding.binding), std::nullopt};
     for (const BindingThreshold& t : thresholds)
       if (t.action == binding.action && t.binding == binding.binding) entry.threshold = t.threshold;
     entries.push_back(std::move(entry));
@@ -80,16 +80,15 @@ void Bindings::Record(const std::string& profile_path, const XrInteractionProfil
 }
 
 XrResult Bindings::SuggestInteractionProfileBindings(const XrInteractionProfileSuggestedBinding* suggested) {
-  instance_.link.Beat();
+  link_.Beat();
   if (!suggested || suggested->type != XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING)
-    return instance_.next.SuggestInteractionProfileBindings(instance_.handle, suggested);
-  const std::string path = instance_.PathText(suggested->interactionProfile);
-  const auto found = std::find_if(instance_.profiles.begin(), instance_.profiles.end(),
-                                  [&](const Profile& p) { return p.path == path; });
-  const Profile* known = found == instance_.profiles.end() ? nullptr : &*found;
+    return runtime_.next.SuggestInteractionProfileBindings(runtime_.handle, suggested);
+  const std::string path = runtime_.PathText(suggested->interactionProfile);
+  const auto found = std::find_if(profiles_.begin(), profiles_.end(), [&](const Profile& p) { return p.path == path; });
+  const Profile* known = found == profiles_.end() ? nullptr : &*found;
   const std::vector<BindingThreshold> thresholds =
-      ReadThresholds(*suggested, {instance_.Enabled(XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME),
-                                  instance_.Enabled(XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME)});
+      ReadThresholds(*suggested, {runtime_.Enabled(XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME),
+                                  runtime_.Enabled(XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME)});
   XrResult result = XR_SUCCESS;
   if (known && OnlyOurs(*known)) {
     result = CheckSuggestions(*known, BindingsOf(*suggested));
@@ -108,7 +107,7 @@ Suggestions Bindings::Suggested() const {
 
 XrPath Bindings::ProfileBelow(XrSession session, XrPath user_path) const {
   XrInteractionProfileState below{XR_TYPE_INTERACTION_PROFILE_STATE, nullptr, XR_NULL_PATH};
-  const XrResult result = instance_.next.GetCurrentInteractionProfile(session, user_path, &below);
+  const XrResult result = runtime_.next.GetCurrentInteractionProfile(session, user_path, &below);
   return XR_SUCCEEDED(result) ? below.interactionProfile : XR_NULL_PATH;
 }
 
@@ -117,19 +116,19 @@ XrPath Bindings::ProfileBelow(XrSession session, XrPath user_path) const {
 void Bindings::NotifyProfileChange(Session& session, XrPath user_path, const Profile* before, const Profile* after) {
   if (!session.running) return;
   const XrPath below = before && after ? XR_NULL_PATH : ProfileBelow(session.handle, user_path);
-  const auto shown = [&](const Profile* profile) { return profile ? instance_.PathOf(profile->path) : below; };
+  const auto shown = [&](const Profile* profile) { return profile ? runtime_.PathOf(profile->path) : below; };
   if (shown(before) != shown(after)) session.profile_event_due = true;
 }
 
 XrResult Bindings::GetCurrentInteractionProfile(XrSession session, XrPath user_path, XrInteractionProfileState* state) {
-  const XrResult result = instance_.next.GetCurrentInteractionProfile(session, user_path, state);
-  instance_.link.Beat();
+  const XrResult result = runtime_.next.GetCurrentInteractionProfile(session, user_path, state);
+  link_.Beat();
   if (XR_FAILED(result)) return result;
-  const auto record = instance_.sessions.Find(session);
+  const auto record = records_.sessions.Find(session);
   if (!record) return result;
   const std::shared_lock lock(record->mutex);
   if (const Profile* profile = record->actions.ProfileAt(user_path))
-    state->interactionProfile = instance_.PathOf(profile->path);
+    state->interactionProfile = runtime_.PathOf(profile->path);
   return result;
 }
 

@@ -8,16 +8,15 @@
 
 #include "layer/src/actions/binding_modifications.h"
 #include "layer/src/actions/session_actions.h"
-#include "layer/src/entry/omni_openxr_compat.h"
+#include "layer/src/instance/runtime.h"
 #include "layer/src/instance/session.h"
 
 namespace omni::layer {
 
-class Instance;
-
 class Bindings {
  public:
-  explicit Bindings(Instance& instance) : instance_(instance) {}
+  Bindings(const Runtime& runtime, const Records& records, ServiceLink& link, const std::vector<Profile>& profiles)
+      : runtime_(runtime), records_(records), link_(link), profiles_(profiles) {}
 
   XrResult SuggestInteractionProfileBindings(const XrInteractionProfileSuggestedBinding* suggested);
   XrResult GetCurrentInteractionProfile(XrSession session, XrPath user_path, XrInteractionProfileState* state);
@@ -38,7 +37,10 @@ class Bindings {
   void Record(const std::string& profile_path, const XrInteractionProfileSuggestedBinding& suggested,
               const std::vector<BindingThreshold>& thresholds);
 
-  Instance& instance_;
+  const Runtime& runtime_;
+  const Records& records_;
+  ServiceLink& link_;
+  const std::vector<Profile>& profiles_;
   mutable std::mutex mutex_;
   Suggestions suggestions_;
 };

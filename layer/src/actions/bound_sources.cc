@@ -3,8 +3,8 @@
 #include <cstring>
 #include <string>
 
+#include "layer/src/actions/input.h"
 #include "layer/src/entry/two_call.h"
-#include "layer/src/instance/instance.h"
 
 namespace omni::layer {
 namespace {
@@ -38,9 +38,9 @@ std::string JoinName(XrInputSourceLocalizedNameFlags which, Hand hand, const Pro
 
 XrResult Input::EnumerateBoundSourcesForAction(XrSession session, const XrBoundSourcesForActionEnumerateInfo* info,
                                                uint32_t capacity, uint32_t* count, XrPath* sources) {
-  instance_.link.Beat();
-  const auto record = instance_.sessions.Find(session);
-  const auto action = record && info ? instance_.actions.Find(info->action) : nullptr;
+  link_.Beat();
+  const auto record = records_.sessions.Find(session);
+  const auto action = record && info ? records_.actions.Find(info->action) : nullptr;
   std::vector<std::string> pen;
   bool owns = false;
   Hand hand = Hand::kRight;
@@ -50,31 +50,31 @@ XrResult Input::EnumerateBoundSourcesForAction(XrSession session, const XrBoundS
     owns = record->actions.pen_owns_hand() && record->actions.attached(*action->set);
     if (owns) pen = record->actions.BoundSources(*action);
   }
-  if (!owns) return instance_.next.EnumerateBoundSourcesForAction(session, info, capacity, count, sources);
+  if (!owns) return runtime_.next.EnumerateBoundSourcesForAction(session, info, capacity, count, sources);
 
   std::vector<XrPath> all;
   const XrResult result = EnumerateBelow(all, XrPath{XR_NULL_PATH}, [&](auto below_capacity, auto* below, auto* out) {
-    return instance_.next.EnumerateBoundSourcesForAction(session, info, below_capacity, below, out);
+    return runtime_.next.EnumerateBoundSourcesForAction(session, info, below_capacity, below, out);
   });
   if (XR_FAILED(result)) return result;
   // The pen's hand has no other device while the pen is present.
   all.erase(std::remove_if(all.begin(), all.end(),
-                           [&](XrPath path) { return StartsWith(instance_.PathText(path), UserPath(hand)); }),
+                           [&](XrPath path) { return StartsWith(runtime_.PathText(path), UserPath(hand)); }),
             all.end());
   for (const std::string& path : pen)
-    if (const XrPath source = instance_.PathOf(path); source != XR_NULL_PATH) all.push_back(source);
+    if (const XrPath source = runtime_.PathOf(path); source != XR_NULL_PATH) all.push_back(source);
   return Fill(all.data(), all.size(), capacity, count, sources);
 }
 
 XrResult Input::GetInputSourceLocalizedName(XrSession session, const XrInputSourceLocalizedNameGetInfo* info,
                                             uint32_t capacity, uint32_t* count, char* text) {
-  instance_.link.Beat();
+  link_.Beat();
   constexpr XrInputSourceLocalizedNameFlags kKnown = XR_INPUT_SOURCE_LOCALIZED_NAME_USER_PATH_BIT |
                                                      XR_INPUT_SOURCE_LOCALIZED_NAME_INTERACTION_PROFILE_BIT |
                                                      XR_INPUT_SOURCE_LOCALIZED_NAME_COMPONENT_BIT;
-  const auto record = instance_.sessions.Find(session);
+  const auto record = records_.sessions.Find(session);
   const bool readable = record && info && info->type == XR_TYPE_INPUT_SOURCE_LOCALIZED_NAME_GET_INFO;
-  const std::string path = readable ? instance_.PathText(info->sourcePath) : std::string();
+  const std::string path = readable ? runtime_.PathText(info->sourcePath) : std::string();
   if (!path.empty()) {
     const std::shared_lock lock(record->mutex);
     const Hand hand = record->actions.hand();
@@ -89,7 +89,7 @@ XrResult Input::GetInputSourceLocalizedName(XrSession session, const XrInputSour
       return Fill(name.c_str(), name.size() + 1, capacity, count, text);
     }
   }
-  return instance_.next.GetInputSourceLocalizedName(session, info, capacity, count, text);
+  return runtime_.next.GetInputSourceLocalizedName(session, info, capacity, count, text);
 }
 
 }  // namespace omni::layer

@@ -3,17 +3,22 @@
 
 #include <vector>
 
-#include "layer/src/actions/session_actions.h"
-#include "layer/src/entry/omni_openxr_compat.h"
-#include "layer/src/instance/session.h"
+#include "layer/src/actions/bindings.h"
+#include "layer/src/vibration/vibrations.h"
 
 namespace omni::layer {
 
-class Instance;
-
 class Input {
  public:
-  explicit Input(Instance& instance) : instance_(instance) {}
+  Input(const Runtime& runtime, Records& records, ServiceLink& link, RuntimeClock& clock, Log& log, Bindings& bindings,
+        Vibrations& vibrations)
+      : runtime_(runtime),
+        records_(records),
+        link_(link),
+        clock_(clock),
+        log_(log),
+        bindings_(bindings),
+        vibrations_(vibrations) {}
 
   // actions.cc
   XrResult CreateActionSet(const XrActionSetCreateInfo* info, XrActionSet* set);
@@ -21,7 +26,8 @@ class Input {
   XrResult CreateAction(XrActionSet set, const XrActionCreateInfo* info, XrAction* action);
   XrResult DestroyAction(XrAction action);
   XrResult AttachSessionActionSets(XrSession session, const XrSessionActionSetsAttachInfo* info);
-  XrResult SyncActions(XrSession session, const XrActionsSyncInfo* info);
+  // The runtime has synced, at `now_ns`.
+  void Sync(Session& session, const XrActionsSyncInfo& info, bool focused, std::int64_t now_ns);
 
   // action_states.cc
   XrResult GetActionStateBoolean(XrSession session, const XrActionStateGetInfo* info, XrActionStateBoolean* state);
@@ -38,9 +44,14 @@ class Input {
  private:
   std::vector<ActiveSet> ActiveSets(const XrActionsSyncInfo& info) const;
   bool PutDown(Session& session, const PenSnapshot& pen);
-  void Sync(Session& session, const XrActionsSyncInfo& info, bool focused);
 
-  Instance& instance_;
+  const Runtime& runtime_;
+  Records& records_;
+  ServiceLink& link_;
+  RuntimeClock& clock_;
+  Log& log_;
+  Bindings& bindings_;
+  Vibrations& vibrations_;
 };
 
 }  // namespace omni::layer

@@ -44,13 +44,6 @@ class RuntimeStates {
   virtual StatePart Query(const Action& action, XrPath subaction) const = 0;
 };
 
-// Which hand holds the pen, and the profile to prefer (empty: the order of priorities).
-struct PenChoice {
-  Hand hand = Hand::kRight;
-  std::string profile;
-  bool operator==(const PenChoice& other) const { return hand == other.hand && profile == other.profile; }
-};
-
 struct SyncInput {
   std::vector<ActiveSet> active;
   bool focused = false;

@@ -237,8 +237,8 @@ XrResult EnumerateExtensions(const char* layer_name, uint32_t capacity, uint32_t
   if (!layer_name || std::strcmp(layer_name, kLayerName) != 0) {
     // Not for us to answer. The loader adds what the manifest names.
     const auto below = Registry::Get().Owner(XrSession{});
-    if (below && below->next.EnumerateInstanceExtensionProperties)
-      return below->next.EnumerateInstanceExtensionProperties(layer_name, capacity, count, properties);
+    if (below && below->runtime.next.EnumerateInstanceExtensionProperties)
+      return below->runtime.next.EnumerateInstanceExtensionProperties(layer_name, capacity, count, properties);
     *count = 0;
     return layer_name ? XR_ERROR_API_LAYER_NOT_PRESENT : XR_SUCCESS;
   }

@@ -18,7 +18,7 @@
   X(Bindings, SuggestInteractionProfileBindings) \
   X(Input, AttachSessionActionSets)              \
   X(Bindings, GetCurrentInteractionProfile)      \
-  X(Input, SyncActions)                          \
+  X(Instance, SyncActions)                       \
   X(Input, GetActionStateBoolean)                \
   X(Input, GetActionStateFloat)                  \
   X(Input, GetActionStateVector2f)               \
@@ -27,7 +27,7 @@
   X(Input, GetInputSourceLocalizedName)          \
   X(Locator, CreateActionSpace)                  \
   X(Locator, CreateReferenceSpace)               \
-  X(Locator, DestroySpace)                       \
+  X(Instance, DestroySpace)                      \
   X(Locator, LocateSpace)                        \
   X(Locator, LocateViews)                        \
   X(Locator, EndFrame)                           \

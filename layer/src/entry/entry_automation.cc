@@ -23,10 +23,10 @@ struct Target {
 Target Find(XrSession session, XrPath top_level) {
   Target t;
   t.instance = Registry::Get().Owner(session);
-  t.session = t.instance ? t.instance->sessions.Find(session) : nullptr;
+  t.session = t.instance ? t.instance->records.sessions.Find(session) : nullptr;
   if (!t.session) return t;
-  t.hand = t.instance->Choice().hand;
-  if (top_level == t.instance->hand_paths[static_cast<std::size_t>(t.hand)]) t.device = t.instance->link.test();
+  t.hand = t.instance->link.choice().hand;
+  if (top_level == t.instance->runtime.hand_paths[static_cast<std::size_t>(t.hand)]) t.device = t.instance->link.test();
   return t;
 }
 
@@ -34,7 +34,8 @@ template <class Function, class... Arguments>
 XrResult PassOn(const Target& target, const char* name, Arguments... arguments) {
   if (!target.instance) return XR_ERROR_HANDLE_INVALID;
   PFN_xrVoidFunction below = nullptr;
-  const XrResult found = target.instance->next.GetInstanceProcAddr(target.instance->handle, name, &below);
+  const XrResult found =
+      target.instance->runtime.next.GetInstanceProcAddr(target.instance->runtime.handle, name, &below);
   if (XR_FAILED(found) || !below) return target.session ? XR_ERROR_FUNCTION_UNSUPPORTED : XR_ERROR_HANDLE_INVALID;
   return reinterpret_cast<Function>(below)(arguments...);
 }
@@ -48,7 +49,7 @@ const Profile* ProfileOf(const Target& t) {
 
 // "/input/trigger/value" of the full path; empty if the path is another hand's. `result`: why.
 std::string LocalPath(const Target& t, XrPath source, XrResult* result) {
-  const std::string full = t.instance->PathText(source);
+  const std::string full = t.instance->runtime.PathText(source);
   const std::string user(UserPath(t.hand));
   *result = full.empty() ? XR_ERROR_PATH_INVALID : XR_ERROR_PATH_UNSUPPORTED;
   return full.rfind(user + "/", 0) == 0 ? full.substr(user.size()) : std::string();
@@ -79,7 +80,7 @@ XRAPI_ATTR XrResult XRAPI_CALL SetActive(XrSession session, XrPath profile, XrPa
       // A hand that has no test device is inactive already.
       return below == XR_ERROR_FUNCTION_UNSUPPORTED && !active ? XR_SUCCESS : below;
     }
-    const std::string path = t.instance->PathText(profile);
+    const std::string path = t.instance->runtime.PathText(profile);
     if (path.empty()) return XR_ERROR_PATH_INVALID;
     const auto& all = t.instance->profiles;
     if (std::none_of(all.begin(), all.end(), [&](const Profile& p) { return p.path == path; }))

@@ -20,7 +20,7 @@ XRAPI_ATTR XrResult XRAPI_CALL DestroyInstance(XrInstance instance) {
     }
     if (!record) return XR_ERROR_HANDLE_INVALID;
     record->link.SetSession(protocol::SessionState::kNone);
-    const XrResult result = record->next.DestroyInstance(instance);
+    const XrResult result = record->runtime.next.DestroyInstance(instance);
     if (XR_SUCCEEDED(result)) Registry::Get().Remove(instance);
     return result;
   });
@@ -60,17 +60,17 @@ XRAPI_ATTR XrResult XRAPI_CALL GetInstanceProcAddr(XrInstance instance, const ch
       if (aside->hide_timespec && ConvertsTime(name)) return XR_ERROR_FUNCTION_UNSUPPORTED;
       return aside->get(instance, name, function);
     }
-    *function = FindIntercepted(name, record ? &record->next : nullptr);
+    *function = FindIntercepted(name, record ? &record->runtime.next : nullptr);
     if (*function) return XR_SUCCESS;
     if (!record) return XR_ERROR_HANDLE_INVALID;
     for (const OwnFunction& own : OwnFunctions()) {
       if (std::strcmp(name, own.name) != 0) continue;
-      if (!record->Enabled(own.extension)) return XR_ERROR_FUNCTION_UNSUPPORTED;
+      if (!record->runtime.Enabled(own.extension)) return XR_ERROR_FUNCTION_UNSUPPORTED;
       *function = own.function;
       return XR_SUCCESS;
     }
     if (record->hide_timespec && ConvertsTime(name)) return XR_ERROR_FUNCTION_UNSUPPORTED;
-    return record->next.GetInstanceProcAddr(instance, name, function);
+    return record->runtime.next.GetInstanceProcAddr(instance, name, function);
   });
 }
 

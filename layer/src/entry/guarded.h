@@ -43,7 +43,9 @@ struct Entry<XrResult(XRAPI_PTR*)(Handle, Arguments...), kMethod> {
       if (!instance) return XR_ERROR_HANDLE_INVALID;
       using Part = decltype(ClassOf(kMethod));
       Part& part = std::get<Part&>(instance->Parts());
-      if constexpr (std::is_same_v<Part, HapticScenes>) instance->Alive();
+      constexpr bool kPolls = std::is_same_v<Part, HapticScenes> || std::is_same_v<Part, ForceFeedbacks> ||
+                              std::is_same_v<Part, Vibrations>;
+      if constexpr (kPolls) instance->Alive();
       XrResult result = XR_SUCCESS;
       if constexpr (std::is_same_v<Handle, XrInstance>) {
         result = (part.*kMethod)(arguments...);

@@ -5,14 +5,18 @@
 
 #include "layer/include/openxr/omni_force_feedback.h"
 #include "layer/src/force/force_feedback.h"
+#include "layer/src/instance/event_queue.h"
+#include "layer/src/spaces/locator.h"
 
 namespace omni::layer {
 
-class Instance;
-
 class ForceFeedbacks {
  public:
-  explicit ForceFeedbacks(Instance& instance) : instance_(instance) {}
+  ForceFeedbacks(const Runtime& runtime, const Records& records, ServiceLink& link, const RuntimeClock& clock,
+                 EventQueue& events, Locator& locator)
+      : runtime_(runtime), records_(records), link_(link), clock_(clock), events_(events), locator_(locator) {}
+
+  bool Contains(XrForceFeedbackOMNIX1 force) const { return forces_.Contains(force); }
 
   // force_feedbacks.cc
   XrResult Create(XrSession session, const XrForceFeedbackCreateInfoOMNIX1* info, XrForceFeedbackOMNIX1* force);
@@ -41,7 +45,13 @@ class ForceFeedbacks {
   void SendConstraints(ForceFeedback& force, const protocol::ForceConstraints& message);
   ForceStatus StatusNow(const Session& session);
 
-  Instance& instance_;
+  const Runtime& runtime_;
+  const Records& records_;
+  ServiceLink& link_;
+  const RuntimeClock& clock_;
+  EventQueue& events_;
+  Locator& locator_;
+  HandleMap<XrForceFeedbackOMNIX1, ForceFeedback> forces_;
   std::mutex mutex_;  // of creation and destruction
 };
 

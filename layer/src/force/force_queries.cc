@@ -54,14 +54,14 @@ XrResult CheckQuery(const GetInfo* info, XrStructureType info_type, const Out* o
 // The next layer never sees our structures.
 XrResult Instance::GetSystemProperties(XrSystemId system, XrSystemProperties* properties) {
   Alive();
-  if (!properties || !Enabled(XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME))
-    return next.GetSystemProperties(handle, system, properties);
+  if (!properties || !runtime.Enabled(XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME))
+    return runtime.next.GetSystemProperties(runtime.handle, system, properties);
   auto* before = reinterpret_cast<XrBaseOutStructure*>(properties);
   while (before->next && before->next->type != XR_TYPE_SYSTEM_FORCE_FEEDBACK_PROPERTIES_OMNIX1) before = before->next;
   XrBaseOutStructure* ours = before->next;
-  if (!ours) return next.GetSystemProperties(handle, system, properties);
+  if (!ours) return runtime.next.GetSystemProperties(runtime.handle, system, properties);
   before->next = ours->next;
-  const XrResult result = next.GetSystemProperties(handle, system, properties);
+  const XrResult result = runtime.next.GetSystemProperties(runtime.handle, system, properties);
   before->next = ours;
   if (XR_FAILED(result)) return result;
   link.AwaitForceProperties();  // often called right after xrCreateInstance, before the service has answered
@@ -71,18 +71,17 @@ XrResult Instance::GetSystemProperties(XrSystemId system, XrSystemProperties* pr
 
 XrResult ForceFeedbacks::Properties(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackPropertiesGetInfoOMNIX1* info,
                                     XrForceFeedbackPropertiesOMNIX1* properties) {
-  instance_.Alive();
-  const auto force = instance_.forces.Find(handle_in);
+  const auto force = forces_.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
   if (const XrResult result = CheckQuery(info, XR_TYPE_FORCE_FEEDBACK_PROPERTIES_GET_INFO_OMNIX1, properties,
                                          XR_TYPE_FORCE_FEEDBACK_PROPERTIES_OMNIX1);
       XR_FAILED(result))
     return result;
   if (properties->reachCapacityInput > 0 && !properties->reach) return XR_ERROR_VALIDATION_FAILURE;
-  const protocol::ForceProperties can = instance_.link.force_properties();
+  const protocol::ForceProperties can = link_.force_properties();
   if (can.available == 0) return XR_ERROR_FEATURE_UNSUPPORTED;
   Located X_OS;
-  if (const XrResult result = instance_.locator.LocateInBase(*force->session, info->baseSpace, info->time, X_OS);
+  if (const XrResult result = locator_.LocateInBase(*force->session, info->baseSpace, info->time, X_OS);
       XR_FAILED(result))
     return result;
   const bool fits = properties->reachCapacityInput == 0 || properties->reachCapacityInput >= can.reach_count;
@@ -103,30 +102,29 @@ XrResult ForceFeedbacks::Properties(XrForceFeedbackOMNIX1 handle_in, const XrFor
 
 XrResult ForceFeedbacks::State(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackStateGetInfoOMNIX1* info,
                                XrForceFeedbackStateOMNIX1* state) {
-  instance_.Alive();
-  const auto force = instance_.forces.Find(handle_in);
+  const auto force = forces_.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
   if (const XrResult result =
           CheckQuery(info, XR_TYPE_FORCE_FEEDBACK_STATE_GET_INFO_OMNIX1, state, XR_TYPE_FORCE_FEEDBACK_STATE_OMNIX1);
       XR_FAILED(result))
     return result;
   Located X_OS;
-  if (const XrResult result = instance_.locator.LocateInBase(*force->session, info->baseSpace, info->time, X_OS);
+  if (const XrResult result = locator_.LocateInBase(*force->session, info->baseSpace, info->time, X_OS);
       XR_FAILED(result))
     return result;
   protocol::ToolSample newest;
   protocol::ToolSample then;
   protocol::ToolSample after;
-  const auto reader = instance_.link.reader();
-  const std::int64_t time_ns = instance_.clock.ToMonotonic(info->time);
+  const auto reader = link_.reader();
+  const std::int64_t time_ns = clock_.ToMonotonic(info->time);
   const bool any = reader && reader->Newest(newest) && reader->Around(time_ns, then, after);
   const ForceStatus status = StatusOf({.focused = force->session->focused,
-                                       .standing = instance_.link.force_standing(),
+                                       .standing = link_.force_standing(),
                                        .fresh = any && base::MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
                                        .sample = any ? &then : nullptr});
   state->isActive = status.active ? XR_TRUE : XR_FALSE;
   state->stateFlags = status.flags;
-  state->sampleTime = any ? instance_.clock.ToXr(then.t_ns) : 0;
+  state->sampleTime = any ? clock_.ToXr(then.t_ns) : 0;
   state->contactCount = any ? then.contact_count : 0;
   state->isForceValid = any && (X_OS.flags & XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) ? XR_TRUE : XR_FALSE;
   state->appliedForce = {0, 0, 0};
@@ -139,16 +137,16 @@ XrResult ForceFeedbacks::State(XrForceFeedbackOMNIX1 handle_in, const XrForceFee
 
 ForceStatus ForceFeedbacks::StatusNow(const Session& session) {
   protocol::ToolSample newest;
-  const auto reader = instance_.link.reader();
+  const auto reader = link_.reader();
   const bool any = reader && reader->Newest(newest);
   return StatusOf({.focused = session.focused,
-                   .standing = instance_.link.force_standing(),
+                   .standing = link_.force_standing(),
                    .fresh = any && base::MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
                    .sample = any ? &newest : nullptr});
 }
 
 void ForceFeedbacks::Watch() {
-  for (const auto& force : instance_.forces.Values()) {
+  for (const auto& force : forces_.Values()) {
     const std::int64_t now_ns = base::MonotonicNow_ns();
     const ForceStatus now = StatusNow(*force->session);
     ForceStatus reported;
@@ -156,9 +154,9 @@ void ForceFeedbacks::Watch() {
       const std::lock_guard lock(force->mutex);
       if (!force->watch.Step(now, now_ns, reported)) continue;
     }
-    instance_.events.Push(XrEventDataForceFeedbackStateChangedOMNIX1{
+    events_.Push(XrEventDataForceFeedbackStateChangedOMNIX1{
         XR_TYPE_EVENT_DATA_FORCE_FEEDBACK_STATE_CHANGED_OMNIX1, nullptr, force->session->handle, force->handle(),
-        static_cast<XrBool32>(reported.active), reported.flags, instance_.clock.ToXr(now_ns)});
+        static_cast<XrBool32>(reported.active), reported.flags, clock_.ToXr(now_ns)});
   }
 }
 
@@ -166,7 +164,7 @@ bool ForceFeedbacks::IsOfDestroyed(const XrEventDataBuffer& event) const {
   if (event.type != XR_TYPE_EVENT_DATA_FORCE_FEEDBACK_STATE_CHANGED_OMNIX1) return false;
   XrEventDataForceFeedbackStateChangedOMNIX1 changed;
   std::memcpy(&changed, &event, sizeof(changed));
-  return !instance_.forces.Contains(changed.forceFeedback);
+  return !forces_.Contains(changed.forceFeedback);
 }
 
 }  // namespace omni::layer

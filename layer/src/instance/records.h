@@ -97,4 +97,12 @@ class HandleMap {
   std::unordered_map<Handle, std::shared_ptr<Record>> map_;
 };
 
+// What the application has made and several parts use.
+struct Records {
+  HandleMap<XrSession, Session> sessions;
+  HandleMap<XrActionSet, ActionSet> action_sets;
+  HandleMap<XrAction, Action> actions;
+  HandleMap<XrSpace, Space> spaces;
+};
+
 }  // namespace omni::layer

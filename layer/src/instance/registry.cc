@@ -39,7 +39,7 @@ void Registry::Remove(XrInstance handle) {
   std::erase_if(aside_, [handle](const AsideInstance& aside) { return aside.handle == handle; });
   if (aside_.empty()) aside_.shrink_to_fit();
   const auto it =
-      std::find_if(instances_.begin(), instances_.end(), [&](const auto& i) { return i->handle == handle; });
+      std::find_if(instances_.begin(), instances_.end(), [&](const auto& i) { return i->runtime.handle == handle; });
   if (it == instances_.end()) return;
   last = std::move(*it);
   instances_.erase(it);
@@ -49,7 +49,7 @@ void Registry::Remove(XrInstance handle) {
 std::shared_ptr<Instance> Registry::Find(XrInstance handle) const {
   const std::shared_lock lock(mutex_);
   for (const auto& instance : instances_)
-    if (instance->handle == handle) return instance;
+    if (instance->runtime.handle == handle) return instance;
   return nullptr;
 }
 

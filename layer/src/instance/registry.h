@@ -42,14 +42,14 @@ class Registry {
   }
 
  private:
-  static bool Knows(const Instance& i, XrSession handle) { return i.sessions.Contains(handle); }
-  static bool Knows(const Instance& i, XrActionSet handle) { return i.action_sets.Contains(handle); }
-  static bool Knows(const Instance& i, XrAction handle) { return i.actions.Contains(handle); }
-  static bool Knows(const Instance& i, XrSpace handle) { return i.spaces.Contains(handle); }
-  static bool Knows(const Instance& i, XrHandTrackerEXT handle) { return i.hand_trackers.Contains(handle); }
-  static bool Knows(const Instance& i, XrRenderModelEXT handle) { return i.render_model_handles.Contains(handle); }
-  static bool Knows(const Instance& i, XrRenderModelAssetEXT handle) { return i.render_model_assets.Contains(handle); }
-  static bool Knows(const Instance& i, XrForceFeedbackOMNIX1 handle) { return i.forces.Contains(handle); }
+  static bool Knows(const Instance& i, XrSession handle) { return i.records.sessions.Contains(handle); }
+  static bool Knows(const Instance& i, XrActionSet handle) { return i.records.action_sets.Contains(handle); }
+  static bool Knows(const Instance& i, XrAction handle) { return i.records.actions.Contains(handle); }
+  static bool Knows(const Instance& i, XrSpace handle) { return i.records.spaces.Contains(handle); }
+  static bool Knows(const Instance& i, XrHandTrackerEXT handle) { return i.locator.Contains(handle); }
+  static bool Knows(const Instance& i, XrRenderModelEXT handle) { return i.render_models.Contains(handle); }
+  static bool Knows(const Instance& i, XrRenderModelAssetEXT handle) { return i.render_models.Contains(handle); }
+  static bool Knows(const Instance& i, XrForceFeedbackOMNIX1 handle) { return i.force_feedbacks.Contains(handle); }
   static bool Knows(const Instance& i, XrHapticSceneOMNIX1 handle) { return i.haptic_scenes.Contains(handle); }
 
   mutable std::shared_mutex mutex_;

@@ -7,38 +7,37 @@
 namespace omni::layer {
 
 XrResult Instance::CreateSession(const XrSessionCreateInfo* info, XrSession* session) {
-  const XrResult result = next.CreateSession(handle, info, session);
+  const XrResult result = runtime.next.CreateSession(runtime.handle, info, session);
   Alive();
   if (XR_FAILED(result)) return result;
-  auto record = std::make_shared<Session>(*session, profiles, Choice(), hand_paths);
+  auto record = std::make_shared<Session>(*session, profiles, link.choice(), runtime.hand_paths);
   locator.MakeAnchors(*record);
   alignment.RequestBasePose(*record, info->systemId);
-  sessions.Insert(*session, std::move(record));
+  records.sessions.Insert(*session, std::move(record));
   return result;
 }
 
 XrResult Instance::DestroySession(XrSession session) {
-  const XrResult result = next.DestroySession(session);
+  const XrResult result = runtime.next.DestroySession(session);
   if (XR_FAILED(result)) return result;
   force_feedbacks.EndOf(session);
   haptic_scenes.EndOf(session);
   render_models.EndOf(session);
-  spaces.EraseIf([session](const Space& space) { return space.session && space.session->handle == session; });
-  hand_trackers.EraseIf([session](const Session& owner) { return owner.handle == session; });
-  if (const auto record = sessions.Find(session)) {
+  locator.EndOf(session);
+  if (const auto record = records.sessions.Find(session)) {
     record->running = false;
     SetFocus(*record, false);
   }
-  sessions.Erase(session);
+  records.sessions.Erase(session);
   ReportSessionState();
   return result;
 }
 
 XrResult Instance::BeginSession(XrSession session, const XrSessionBeginInfo* info) {
-  const XrResult result = next.BeginSession(session, info);
+  const XrResult result = runtime.next.BeginSession(session, info);
   Alive();
   if (XR_FAILED(result)) return result;
-  if (const auto record = sessions.Find(session)) {
+  if (const auto record = records.sessions.Find(session)) {
     record->running = true;
   }
   ReportSessionState();
@@ -46,10 +45,10 @@ XrResult Instance::BeginSession(XrSession session, const XrSessionBeginInfo* inf
 }
 
 XrResult Instance::EndSession(XrSession session) {
-  const XrResult result = next.EndSession(session);
+  const XrResult result = runtime.next.EndSession(session);
   Alive();
   if (XR_FAILED(result)) return result;
-  if (const auto record = sessions.Find(session)) {
+  if (const auto record = records.sessions.Find(session)) {
     SetFocus(*record, false);
     record->running = false;
     record->profile_event_due = false;
@@ -71,12 +70,12 @@ void Instance::SetFocus(Session& session, bool focused) {
 
 // A runtime that dies sends no event: forces and vibrations end with the first call that says so.
 void Instance::OnLoss() {
-  for (const auto& session : sessions.Values()) SetFocus(*session, false);
+  for (const auto& session : records.sessions.Values()) SetFocus(*session, false);
 }
 
 void Instance::ReportSessionState() {
   protocol::SessionState state = protocol::SessionState::kNone;
-  sessions.ForEach([&](const Session& session) {
+  records.sessions.ForEach([&](const Session& session) {
     if (!session.running) return;
     const bool felt = session.focused && !session.user_away;
     state = std::max(state, felt ? protocol::SessionState::kFocused : protocol::SessionState::kBegun);
@@ -86,7 +85,7 @@ void Instance::ReportSessionState() {
 
 // A headset that is taken off ends forces and vibrations as a lost focus does, but for the application nothing changes.
 void Instance::OnUserPresence(const XrEventDataUserPresenceChangedEXT& changed) {
-  const auto session = sessions.Find(changed.session);
+  const auto session = records.sessions.Find(changed.session);
   if (!session) return;
   session->user_away = changed.isUserPresent == XR_FALSE;
   if (session->user_away) vibrations.Stop();
@@ -96,7 +95,7 @@ void Instance::OnUserPresence(const XrEventDataUserPresenceChangedEXT& changed) 
 XrResult Instance::PollBelow(XrEventDataBuffer* event) {
   const void* const chain = event ? event->next : nullptr;
   for (;;) {
-    const XrResult result = next.PollEvent(handle, event);
+    const XrResult result = runtime.next.PollEvent(runtime.handle, event);
     if (result != XR_SUCCESS || !event || event->type != XR_TYPE_EVENT_DATA_USER_PRESENCE_CHANGED_EXT) return result;
     XrEventDataUserPresenceChangedEXT changed;
     std::memcpy(&changed, event, sizeof(changed));
@@ -115,13 +114,13 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
     if (event->type == XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) {
       XrEventDataSessionStateChanged changed;
       std::memcpy(&changed, event, sizeof(changed));
-      if (const auto session = sessions.Find(changed.session))
+      if (const auto session = records.sessions.Find(changed.session))
         SetFocus(*session, changed.state == XR_SESSION_STATE_FOCUSED);
     } else if (event->type == XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED) {
       // One event says that any profile of the session may have changed: ours is delivered with it.
       XrEventDataInteractionProfileChanged changed;
       std::memcpy(&changed, event, sizeof(changed));
-      const auto session = sessions.Find(changed.session);
+      const auto session = records.sessions.Find(changed.session);
       if (session) session->profile_event_due = false;
     } else if (event->type == XR_TYPE_EVENT_DATA_INTERACTION_RENDER_MODELS_CHANGED_EXT) {
       render_models.PopChange();
@@ -135,7 +134,7 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
   if (result != XR_EVENT_UNAVAILABLE || !event) return result;
   force_feedbacks.Watch();
   XrSession due = XR_NULL_HANDLE;
-  sessions.ForEach([&](Session& session) {
+  records.sessions.ForEach([&](Session& session) {
     if (due == XR_NULL_HANDLE && session.running && session.profile_event_due.exchange(false)) due = session.handle;
   });
   if (due == XR_NULL_HANDLE && render_models.PopChange()) {
@@ -157,8 +156,35 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
   return XR_SUCCESS;
 }
 
+XrResult Instance::SyncActions(XrSession session, const XrActionsSyncInfo* info) {
+  const XrResult result = runtime.next.SyncActions(session, info);
+  Alive();
+  const auto record = records.sessions.Find(session);
+  if (XR_FAILED(result) || !record) return result;
+  const std::int64_t now = base::MonotonicNow_ns();
+  clock.Refresh(now);
+  const bool focused = result != XR_SESSION_NOT_FOCUSED;
+  if (record->running) SetFocus(*record, focused);
+  force_feedbacks.FollowConstraints();
+  force_feedbacks.Watch();
+  input.Sync(*record, *info, focused, now);
+  render_models.Follow(record);
+  return result;
+}
+
+XrResult Instance::DestroySpace(XrSpace space) {
+  const XrResult result = runtime.next.DestroySpace(space);
+  link.Beat();
+  if (XR_SUCCEEDED(result)) {
+    force_feedbacks.ForgetSpace(space);
+    haptic_scenes.ForgetSpace(space);
+    records.spaces.Erase(space);
+  }
+  return result;
+}
+
 XrResult Instance::WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameState* state) {
-  const XrResult result = next.WaitFrame(session, info, state);
+  const XrResult result = runtime.next.WaitFrame(session, info, state);
   const std::int64_t now = base::MonotonicNow_ns();
   Alive();
   clock.Refresh(now);

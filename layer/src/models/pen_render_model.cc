@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "layer/src/entry/two_call.h"
-#include "layer/src/instance/instance.h"
 #include "layer/src/models/pen_model.h"
+#include "layer/src/models/render_models.h"
 
 namespace omni::layer {
 namespace {
@@ -28,7 +28,7 @@ bool IsTopLevel(std::string_view path) {
 }  // namespace
 
 std::shared_ptr<RenderModel> RenderModels::FindPen(XrRenderModelEXT model) const {
-  auto found = instance_.render_model_handles.Find(model);
+  auto found = handles_.Find(model);
   return found && found->pens() ? found : nullptr;
 }
 
@@ -37,7 +37,7 @@ XrRenderModelEXT RenderModels::CreatePen(const std::shared_ptr<Session>& session
   auto made = std::make_shared<RenderModel>();
   made->session = session;
   const auto handle = reinterpret_cast<XrRenderModelEXT>(made.get());
-  instance_.render_model_handles.Insert(handle, std::move(made));
+  handles_.Insert(handle, std::move(made));
   return handle;
 }
 
@@ -45,7 +45,7 @@ XrRenderModelEXT RenderModels::CreatePen(const std::shared_ptr<Session>& session
 XrResult RenderModels::CreatePenSpace(const RenderModel& model, XrSpace* space) const {
   const XrReferenceSpaceCreateInfo info{
       XR_TYPE_REFERENCE_SPACE_CREATE_INFO, nullptr, model.session->PreferredAnchor(), {{0, 0, 0, 1}, {0, 0, 0}}};
-  return instance_.next.CreateReferenceSpace(model.session->handle, &info, space);
+  return runtime_.next.CreateReferenceSpace(model.session->handle, &info, space);
 }
 
 XrResult RenderModels::CheckUserPaths(const XrInteractionRenderModelTopLevelUserPathGetInfoEXT* info,
@@ -55,7 +55,7 @@ XrResult RenderModels::CheckUserPaths(const XrInteractionRenderModelTopLevelUser
     return XR_ERROR_VALIDATION_FAILURE;
   std::vector<XrPath> paths(info->topLevelUserPaths, info->topLevelUserPaths + info->topLevelUserPathCount);
   const bool all_valid =
-      std::all_of(paths.begin(), paths.end(), [this](XrPath one) { return IsTopLevel(instance_.PathText(one)); });
+      std::all_of(paths.begin(), paths.end(), [this](XrPath one) { return IsTopLevel(runtime_.PathText(one)); });
   if (!all_valid) return XR_ERROR_PATH_INVALID;
   std::sort(paths.begin(), paths.end());
   return std::adjacent_find(paths.begin(), paths.end()) == paths.end() ? XR_SUCCESS : XR_ERROR_VALIDATION_FAILURE;
@@ -64,8 +64,8 @@ XrResult RenderModels::CheckUserPaths(const XrInteractionRenderModelTopLevelUser
 XrResult RenderModels::GetRenderModelPropertiesEXT(XrRenderModelEXT model,
                                                    const XrRenderModelPropertiesGetInfoEXT* info,
                                                    XrRenderModelPropertiesEXT* properties) {
-  instance_.link.Beat();
-  const auto below = instance_.next.GetRenderModelPropertiesEXT;
+  link_.Beat();
+  const auto below = runtime_.next.GetRenderModelPropertiesEXT;
   const auto pen = FindPen(model);
   if (!pen) return below ? below(model, info, properties) : XR_ERROR_HANDLE_INVALID;
   if (!Readable(info, XR_TYPE_RENDER_MODEL_PROPERTIES_GET_INFO_EXT) || !properties ||
@@ -80,15 +80,15 @@ XrResult RenderModels::GetRenderModelPropertiesEXT(XrRenderModelEXT model,
 
 XrResult RenderModels::GetRenderModelStateEXT(XrRenderModelEXT model, const XrRenderModelStateGetInfoEXT* info,
                                               XrRenderModelStateEXT* state) {
-  instance_.link.Beat();
-  const auto below = instance_.next.GetRenderModelStateEXT;
+  link_.Beat();
+  const auto below = runtime_.next.GetRenderModelStateEXT;
   if (!FindPen(model)) return below ? below(model, info, state) : XR_ERROR_HANDLE_INVALID;
   if (!info || info->type != XR_TYPE_RENDER_MODEL_STATE_GET_INFO_EXT || !state ||
       state->type != XR_TYPE_RENDER_MODEL_STATE_EXT || state->nodeStateCount != kPenParts.size() || !state->nodeStates)
     return XR_ERROR_VALIDATION_FAILURE;
   if (!(info->displayTime > 0)) return XR_ERROR_TIME_INVALID;
   protocol::InputSnapshot inputs;
-  if (const auto reader = instance_.link.reader(); reader && !reader->Inputs(inputs)) inputs = {};
+  if (const auto reader = link_.reader(); reader && !reader->Inputs(inputs)) inputs = {};
   std::transform(kPenParts.begin(), kPenParts.end(), state->nodeStates,
                  [&](const PenPart& part) { return StateOf(part, inputs); });
   return XR_SUCCESS;
@@ -97,9 +97,9 @@ XrResult RenderModels::GetRenderModelStateEXT(XrRenderModelEXT model, const XrRe
 // Only an id that this session has returned is good.
 XrResult RenderModels::CreateRenderModelAssetEXT(XrSession session, const XrRenderModelAssetCreateInfoEXT* info,
                                                  XrRenderModelAssetEXT* asset) {
-  instance_.link.Beat();
-  const auto record = instance_.sessions.Find(session);
-  const auto below = instance_.next.CreateRenderModelAssetEXT;
+  link_.Beat();
+  const auto record = records_.sessions.Find(session);
+  const auto below = runtime_.next.CreateRenderModelAssetEXT;
   const bool readable = info && info->type == XR_TYPE_RENDER_MODEL_ASSET_CREATE_INFO_EXT && asset;
   if (below && (!record || !readable || !IsPens(info->cacheId))) return below(session, info, asset);
   if (!record) return XR_ERROR_HANDLE_INVALID;
@@ -110,24 +110,24 @@ XrResult RenderModels::CreateRenderModelAssetEXT(XrSession session, const XrRend
   auto made = std::make_shared<RenderModelAsset>();
   made->session = record;
   *asset = reinterpret_cast<XrRenderModelAssetEXT>(made.get());
-  instance_.render_model_assets.Insert(*asset, std::move(made));
+  assets_.Insert(*asset, std::move(made));
   return XR_SUCCESS;
 }
 
 XrResult RenderModels::DestroyRenderModelAssetEXT(XrRenderModelAssetEXT asset) {
-  instance_.link.Beat();
-  const auto below = instance_.next.DestroyRenderModelAssetEXT;
-  if (!instance_.render_model_assets.Contains(asset)) return below ? below(asset) : XR_ERROR_HANDLE_INVALID;
-  instance_.render_model_assets.Erase(asset);
+  link_.Beat();
+  const auto below = runtime_.next.DestroyRenderModelAssetEXT;
+  if (!assets_.Contains(asset)) return below ? below(asset) : XR_ERROR_HANDLE_INVALID;
+  assets_.Erase(asset);
   return XR_SUCCESS;
 }
 
 XrResult RenderModels::GetRenderModelAssetDataEXT(XrRenderModelAssetEXT asset,
                                                   const XrRenderModelAssetDataGetInfoEXT* info,
                                                   XrRenderModelAssetDataEXT* data) {
-  instance_.link.Beat();
-  const auto below = instance_.next.GetRenderModelAssetDataEXT;
-  if (!instance_.render_model_assets.Contains(asset)) return below ? below(asset, info, data) : XR_ERROR_HANDLE_INVALID;
+  link_.Beat();
+  const auto below = runtime_.next.GetRenderModelAssetDataEXT;
+  if (!assets_.Contains(asset)) return below ? below(asset, info, data) : XR_ERROR_HANDLE_INVALID;
   if (!Readable(info, XR_TYPE_RENDER_MODEL_ASSET_DATA_GET_INFO_EXT) || !data ||
       data->type != XR_TYPE_RENDER_MODEL_ASSET_DATA_EXT)
     return XR_ERROR_VALIDATION_FAILURE;
@@ -138,10 +138,9 @@ XrResult RenderModels::GetRenderModelAssetDataEXT(XrRenderModelAssetEXT asset,
 XrResult RenderModels::GetRenderModelAssetPropertiesEXT(XrRenderModelAssetEXT asset,
                                                         const XrRenderModelAssetPropertiesGetInfoEXT* info,
                                                         XrRenderModelAssetPropertiesEXT* properties) {
-  instance_.link.Beat();
-  const auto below = instance_.next.GetRenderModelAssetPropertiesEXT;
-  if (!instance_.render_model_assets.Contains(asset))
-    return below ? below(asset, info, properties) : XR_ERROR_HANDLE_INVALID;
+  link_.Beat();
+  const auto below = runtime_.next.GetRenderModelAssetPropertiesEXT;
+  if (!assets_.Contains(asset)) return below ? below(asset, info, properties) : XR_ERROR_HANDLE_INVALID;
   if (!Readable(info, XR_TYPE_RENDER_MODEL_ASSET_PROPERTIES_GET_INFO_EXT) || !properties ||
       properties->type != XR_TYPE_RENDER_MODEL_ASSET_PROPERTIES_EXT ||
       properties->nodePropertyCount != kPenParts.size() || !properties->nodeProperties)

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "layer/src/entry/two_call.h"
-#include "layer/src/instance/instance.h"
 
 namespace omni::layer {
 namespace {
@@ -26,7 +25,7 @@ XrPath RenderModels::PensHand(const Session& session) const {
 
 XrResult RenderModels::IdsBelow(XrSession session, const XrInteractionRenderModelIdsEnumerateInfoEXT* info,
                                 std::vector<XrRenderModelIdEXT>& ids) const {
-  const auto enumerate = instance_.next.EnumerateInteractionRenderModelIdsEXT;
+  const auto enumerate = runtime_.next.EnumerateInteractionRenderModelIdsEXT;
   if (!enumerate) return XR_SUCCESS;
   return EnumerateBelow(ids, XrRenderModelIdEXT{0}, [&](auto capacity, auto* count, auto* out) {
     return enumerate(session, info, capacity, count, out);
@@ -35,7 +34,7 @@ XrResult RenderModels::IdsBelow(XrSession session, const XrInteractionRenderMode
 
 // The hand that the runtime's model belongs to: only a handle of the model can be asked for it.
 XrPath RenderModels::HandOf(XrSession session, XrRenderModelIdEXT id, Known& known) const {
-  const Dispatch& next = instance_.next;
+  const Dispatch& next = runtime_.next;
   if (!next.CreateRenderModelEXT || !next.GetRenderModelPoseTopLevelUserPathEXT) return XR_NULL_PATH;
   const XrRenderModelCreateInfoEXT create{XR_TYPE_RENDER_MODEL_CREATE_INFO_EXT, nullptr, id, 0, nullptr};
   if (known.probe == XR_NULL_HANDLE && XR_FAILED(next.CreateRenderModelEXT(session, &create, &known.probe)))
@@ -43,7 +42,7 @@ XrPath RenderModels::HandOf(XrSession session, XrRenderModelIdEXT id, Known& kno
   if (known.probe == XR_NULL_HANDLE) return XR_NULL_PATH;
   const XrInteractionRenderModelTopLevelUserPathGetInfoEXT info{
       XR_TYPE_INTERACTION_RENDER_MODEL_TOP_LEVEL_USER_PATH_GET_INFO_EXT, nullptr,
-      static_cast<std::uint32_t>(instance_.hand_paths.size()), instance_.hand_paths.data()};
+      static_cast<std::uint32_t>(runtime_.hand_paths.size()), runtime_.hand_paths.data()};
   XrPath path = XR_NULL_PATH;
   return XR_SUCCEEDED(next.GetRenderModelPoseTopLevelUserPathEXT(known.probe, &info, &path)) ? path : XR_NULL_PATH;
 }
@@ -58,7 +57,7 @@ XrRenderModelIdEXT RenderModels::NewId(Models& models) {
 
 // "If a render model ID is made inactive, it will never again become active": neither what was made from it.
 void RenderModels::Retire(XrSession session, XrRenderModelIdEXT id_below) {
-  instance_.render_model_handles.ForEach([&](RenderModel& model) {
+  handles_.ForEach([&](RenderModel& model) {
     if (model.session->handle != session || model.id_below != id_below) return;
     model.retired = true;
     Hide(model);
@@ -69,7 +68,7 @@ void RenderModels::FollowBelow(XrSession session, const std::vector<XrRenderMode
                                Models& models) {
   for (auto it = models.below.begin(); it != models.below.end();) {
     const bool gone = std::find(below.begin(), below.end(), it->first) == below.end();
-    if (gone && it->second.probe != XR_NULL_HANDLE) instance_.next.DestroyRenderModelEXT(it->second.probe);
+    if (gone && it->second.probe != XR_NULL_HANDLE) runtime_.next.DestroyRenderModelEXT(it->second.probe);
     it = gone ? models.below.erase(it) : std::next(it);
   }
   models.seen_below.insert(below.begin(), below.end());
@@ -94,7 +93,7 @@ void RenderModels::FollowPen(XrSession session, bool owns_hand, Models& models) 
 }
 
 void RenderModels::Follow(const std::shared_ptr<Session>& session) {
-  if (!instance_.Enabled(XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME)) return;
+  if (!runtime_.Enabled(XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME)) return;
   const XrPath pens_hand = PensHand(*session);
   const std::lock_guard lock(mutex_);
   Models& models = sessions_[session->handle];
@@ -108,10 +107,8 @@ void RenderModels::Follow(const std::shared_ptr<Session>& session) {
 
 void RenderModels::EndOf(XrSession session) {
   const std::lock_guard lock(mutex_);
-  instance_.render_model_handles.EraseIf(
-      [session](const RenderModel& model) { return model.session->handle == session; });
-  instance_.render_model_assets.EraseIf(
-      [session](const RenderModelAsset& asset) { return asset.session->handle == session; });
+  handles_.EraseIf([session](const RenderModel& model) { return model.session->handle == session; });
+  assets_.EraseIf([session](const RenderModelAsset& asset) { return asset.session->handle == session; });
   sessions_.erase(session);
 }
 
@@ -129,9 +126,9 @@ XrResult RenderModels::EnumerateInteractionRenderModelIdsEXT(XrSession session,
                                                              const XrInteractionRenderModelIdsEnumerateInfoEXT* info,
                                                              uint32_t capacity, uint32_t* count,
                                                              XrRenderModelIdEXT* ids) {
-  instance_.link.Beat();
-  const auto record = instance_.sessions.Find(session);
-  const auto below = instance_.next.EnumerateInteractionRenderModelIdsEXT;
+  link_.Beat();
+  const auto record = records_.sessions.Find(session);
+  const auto below = runtime_.next.EnumerateInteractionRenderModelIdsEXT;
   if (!below && !record) return XR_ERROR_HANDLE_INVALID;
   if (!below && info && info->type != XR_TYPE_INTERACTION_RENDER_MODEL_IDS_ENUMERATE_INFO_EXT)
     return XR_ERROR_VALIDATION_FAILURE;
@@ -160,9 +157,9 @@ XrResult RenderModels::EnumerateInteractionRenderModelIdsEXT(XrSession session,
 
 XrResult RenderModels::CreateRenderModelEXT(XrSession session, const XrRenderModelCreateInfoEXT* info,
                                             XrRenderModelEXT* model) {
-  instance_.link.Beat();
-  const auto record = instance_.sessions.Find(session);
-  const auto below = instance_.next.CreateRenderModelEXT;
+  link_.Beat();
+  const auto record = records_.sessions.Find(session);
+  const auto below = runtime_.next.CreateRenderModelEXT;
   const bool readable = info && info->type == XR_TYPE_RENDER_MODEL_CREATE_INFO_EXT && model &&
                         (info->gltfExtensionCount == 0 || info->gltfExtensions);
   if (below && (!record || !readable)) return below(session, info, model);
@@ -183,29 +180,29 @@ XrResult RenderModels::CreateRenderModelEXT(XrSession session, const XrRenderMod
   auto made = std::make_shared<RenderModel>();
   made->session = record;
   made->id_below = *id;
-  instance_.render_model_handles.Insert(*model, std::move(made));
+  handles_.Insert(*model, std::move(made));
   return result;
 }
 
 XrResult RenderModels::DestroyRenderModelEXT(XrRenderModelEXT model) {
-  instance_.link.Beat();
+  link_.Beat();
   if (const auto pen = FindPen(model)) {
     const std::lock_guard lock(mutex_);
     Hide(*pen);
-    instance_.render_model_handles.Erase(model);
+    handles_.Erase(model);
     return XR_SUCCESS;
   }
-  if (!instance_.next.DestroyRenderModelEXT) return XR_ERROR_HANDLE_INVALID;
-  const XrResult result = instance_.next.DestroyRenderModelEXT(model);
-  if (XR_SUCCEEDED(result)) instance_.render_model_handles.Erase(model);
+  if (!runtime_.next.DestroyRenderModelEXT) return XR_ERROR_HANDLE_INVALID;
+  const XrResult result = runtime_.next.DestroyRenderModelEXT(model);
+  if (XR_SUCCEEDED(result)) handles_.Erase(model);
   return result;
 }
 
 XrResult RenderModels::CreateRenderModelSpaceEXT(XrSession session, const XrRenderModelSpaceCreateInfoEXT* info,
                                                  XrSpace* space) {
-  instance_.link.Beat();
+  link_.Beat();
   const bool readable = info && info->type == XR_TYPE_RENDER_MODEL_SPACE_CREATE_INFO_EXT && space;
-  const auto below = instance_.next.CreateRenderModelSpaceEXT;
+  const auto below = runtime_.next.CreateRenderModelSpaceEXT;
   const auto pen = readable ? FindPen(info->renderModel) : nullptr;
   XrResult result = XR_SUCCESS;
   if (pen) {
@@ -213,9 +210,9 @@ XrResult RenderModels::CreateRenderModelSpaceEXT(XrSession session, const XrRend
   } else if (below) {
     result = below(session, info, space);
   } else {
-    result = !readable && instance_.sessions.Contains(session) ? XR_ERROR_VALIDATION_FAILURE : XR_ERROR_HANDLE_INVALID;
+    result = !readable && records_.sessions.Contains(session) ? XR_ERROR_VALIDATION_FAILURE : XR_ERROR_HANDLE_INVALID;
   }
-  const auto model = XR_SUCCEEDED(result) ? instance_.render_model_handles.Find(info->renderModel) : nullptr;
+  const auto model = XR_SUCCEEDED(result) ? handles_.Find(info->renderModel) : nullptr;
   if (!model) return result;
   auto made = std::make_shared<Space>();
   made->handle = *space;
@@ -225,16 +222,16 @@ XrResult RenderModels::CreateRenderModelSpaceEXT(XrSession session, const XrRend
   if (pen) made->served_by = model->session->actions.tool_pose();
   if (model->retired) made->served_by = kServedByNobody;
   model->spaces.push_back(made);
-  instance_.spaces.Insert(*space, std::move(made));
+  records_.spaces.Insert(*space, std::move(made));
   return result;
 }
 
 XrResult RenderModels::EnumerateRenderModelSubactionPathsEXT(XrRenderModelEXT model,
                                                              const XrInteractionRenderModelSubactionPathInfoEXT* info,
                                                              uint32_t capacity, uint32_t* count, XrPath* paths) {
-  instance_.link.Beat();
-  const auto record = instance_.render_model_handles.Find(model);
-  const auto below = instance_.next.EnumerateRenderModelSubactionPathsEXT;
+  link_.Beat();
+  const auto record = handles_.Find(model);
+  const auto below = runtime_.next.EnumerateRenderModelSubactionPathsEXT;
   if (!below && (!record || !record->pens())) return XR_ERROR_HANDLE_INVALID;
   const std::lock_guard lock(mutex_);
   if (record && record->retired) return Fill<XrPath>(nullptr, 0, capacity, count, paths);
@@ -248,9 +245,9 @@ XrResult RenderModels::EnumerateRenderModelSubactionPathsEXT(XrRenderModelEXT mo
 
 XrResult RenderModels::GetRenderModelPoseTopLevelUserPathEXT(
     XrRenderModelEXT model, const XrInteractionRenderModelTopLevelUserPathGetInfoEXT* info, XrPath* path) {
-  instance_.link.Beat();
-  const auto record = instance_.render_model_handles.Find(model);
-  const auto below = instance_.next.GetRenderModelPoseTopLevelUserPathEXT;
+  link_.Beat();
+  const auto record = handles_.Find(model);
+  const auto below = runtime_.next.GetRenderModelPoseTopLevelUserPathEXT;
   if (record && record->pens()) {
     if (const XrResult result = CheckUserPaths(info, path); XR_FAILED(result)) return result;
     *path = XR_NULL_PATH;
@@ -270,31 +267,31 @@ XrResult RenderModels::GetRenderModelPoseTopLevelUserPathEXT(
 // "May be different from the current interaction profile", but is what the user holds.
 XrResult RenderModels::GetControllerModelKeyMSFT(XrSession session, XrPath user_path,
                                                  XrControllerModelKeyStateMSFT* state) {
-  const XrResult result = instance_.next.GetControllerModelKeyMSFT(session, user_path, state);
-  instance_.link.Beat();
-  const auto record = XR_SUCCEEDED(result) ? instance_.sessions.Find(session) : nullptr;
+  const XrResult result = runtime_.next.GetControllerModelKeyMSFT(session, user_path, state);
+  link_.Beat();
+  const auto record = XR_SUCCEEDED(result) ? records_.sessions.Find(session) : nullptr;
   if (record && user_path == PensHand(*record)) state->modelKey = XR_NULL_CONTROLLER_MODEL_KEY_MSFT;
   return result;
 }
 
 bool RenderModels::IsPensModelFB(XrSession session, XrPath path) const {
-  const auto record = instance_.sessions.Find(session);
+  const auto record = records_.sessions.Find(session);
   const XrPath hand = record ? PensHand(*record) : XR_NULL_PATH;
   if (hand == XR_NULL_PATH) return false;
-  const bool left = hand == instance_.hand_paths[static_cast<std::size_t>(Hand::kLeft)];
-  return instance_.PathText(path) == (left ? "/model_fb/controller/left" : "/model_fb/controller/right");
+  const bool left = hand == runtime_.hand_paths[static_cast<std::size_t>(Hand::kLeft)];
+  return runtime_.PathText(path) == (left ? "/model_fb/controller/left" : "/model_fb/controller/right");
 }
 
 XrResult RenderModels::EnumerateRenderModelPathsFB(XrSession session, uint32_t capacity, uint32_t* count,
                                                    XrRenderModelPathInfoFB* paths) {
-  instance_.link.Beat();
-  const auto record = instance_.sessions.Find(session);
+  link_.Beat();
+  const auto record = records_.sessions.Find(session);
   if (!record || PensHand(*record) == XR_NULL_PATH)
-    return instance_.next.EnumerateRenderModelPathsFB(session, capacity, count, paths);
+    return runtime_.next.EnumerateRenderModelPathsFB(session, capacity, count, paths);
   std::vector<XrRenderModelPathInfoFB> all;
   const XrRenderModelPathInfoFB empty{XR_TYPE_RENDER_MODEL_PATH_INFO_FB, nullptr, XR_NULL_PATH};
   const XrResult result = EnumerateBelow(all, empty, [&](auto below_capacity, auto* below_count, auto* out) {
-    return instance_.next.EnumerateRenderModelPathsFB(session, below_capacity, below_count, out);
+    return runtime_.next.EnumerateRenderModelPathsFB(session, below_capacity, below_count, out);
   });
   if (XR_FAILED(result)) return result;
   std::erase_if(all, [&](const XrRenderModelPathInfoFB& info) { return IsPensModelFB(session, info.path); });
@@ -305,8 +302,8 @@ XrResult RenderModels::EnumerateRenderModelPathsFB(XrSession session, uint32_t c
 // available later.
 XrResult RenderModels::GetRenderModelPropertiesFB(XrSession session, XrPath path,
                                                   XrRenderModelPropertiesFB* properties) {
-  const XrResult result = instance_.next.GetRenderModelPropertiesFB(session, path, properties);
-  instance_.link.Beat();
+  const XrResult result = runtime_.next.GetRenderModelPropertiesFB(session, path, properties);
+  link_.Beat();
   if (XR_FAILED(result) || !IsPensModelFB(session, path)) return result;
   properties->vendorId = 0;
   properties->modelName[0] = '\0';

@@ -11,12 +11,10 @@
 #include <set>
 #include <vector>
 
-#include "layer/src/entry/omni_openxr_compat.h"
-#include "layer/src/instance/records.h"
+#include "layer/src/instance/runtime.h"
+#include "layer/src/instance/session.h"
 
 namespace omni::layer {
-
-class Instance;
 
 // A handle of the application's. Retired: made from an id that is no longer enumerated; such a model is never shown
 // again [xrEnumerateInteractionRenderModelIdsEXT].
@@ -35,7 +33,11 @@ struct RenderModelAsset {
 
 class RenderModels {
  public:
-  explicit RenderModels(Instance& instance) : instance_(instance) {}
+  RenderModels(const Runtime& runtime, Records& records, ServiceLink& link)
+      : runtime_(runtime), records_(records), link_(link) {}
+
+  bool Contains(XrRenderModelEXT model) const { return handles_.Contains(model); }
+  bool Contains(XrRenderModelAssetEXT asset) const { return assets_.Contains(asset); }
 
   // XR_EXT_render_model, XR_EXT_interaction_render_model
   XrResult CreateRenderModelEXT(XrSession session, const XrRenderModelCreateInfoEXT* info, XrRenderModelEXT* model);
@@ -106,7 +108,11 @@ class RenderModels {
   std::shared_ptr<RenderModel> FindPen(XrRenderModelEXT model) const;
   XrResult CheckUserPaths(const XrInteractionRenderModelTopLevelUserPathGetInfoEXT* info, const XrPath* path) const;
 
-  Instance& instance_;
+  const Runtime& runtime_;
+  Records& records_;
+  ServiceLink& link_;
+  HandleMap<XrRenderModelEXT, RenderModel> handles_;
+  HandleMap<XrRenderModelAssetEXT, RenderModelAsset> assets_;
   mutable std::mutex mutex_;  // guards what follows, and RenderModel's members
   std::map<XrSession, Models> sessions_;
   XrRenderModelIdEXT last_id_ = 0x4F4D'4E49'0000'0000;  // far from any counter or address of a runtime's

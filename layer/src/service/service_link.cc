@@ -152,6 +152,12 @@ protocol::AppSettings ServiceLink::settings() const {
   return settings_;
 }
 
+PenChoice ServiceLink::choice() const {
+  const protocol::AppSettings wished = settings();
+  return {.hand = fixed_hand_.value_or(wished.hand == protocol::HandSetting::kLeft ? Hand::kLeft : Hand::kRight),
+          .profile = fixed_profile_.empty() ? std::string(wished.profile) : fixed_profile_};
+}
+
 PenSnapshot ServiceLink::Read(std::int64_t now_ns, const PenSnapshot& before) const {
   PenSnapshot pen;
   const std::shared_ptr<const client::StateReader> state = reader();

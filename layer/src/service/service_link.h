@@ -12,6 +12,7 @@
 #include <optional>
 #include <shared_mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "layer/src/actions/test_device.h"
@@ -26,6 +27,13 @@ struct PenSnapshot {
   std::uint64_t service_instance = 0;
   protocol::ToolSample sample;
   protocol::InputSnapshot inputs;
+};
+
+// Which hand holds the pen, and the profile to prefer (empty: the order of priorities).
+struct PenChoice {
+  Hand hand = Hand::kRight;
+  std::string profile;
+  bool operator==(const PenChoice&) const = default;
 };
 
 class ServiceLink {
@@ -51,6 +59,11 @@ class ServiceLink {
 
   // Before this link is shared: a pen that a conformance test may take over.
   void UseTestDevice(std::unique_ptr<TestDevice> device) { test_ = std::move(device); }
+  // The same: what the environment sets, whatever the service says. Empty: nothing.
+  void Fix(std::optional<Hand> hand, std::string profile) {
+    fixed_hand_ = hand;
+    fixed_profile_ = std::move(profile);
+  }
   // Null: no test mode.
   TestDevice* test() const { return test_.get(); }
   void ClaimForce(bool wanted);
@@ -83,6 +96,8 @@ class ServiceLink {
   PenSnapshot Read(std::int64_t now_ns, const PenSnapshot& before) const;
   // The service's settings for this application; defaults until it has sent them.
   protocol::AppSettings settings() const;
+  // The pen's hand and preferred profile: from the environment, else from the service.
+  PenChoice choice() const;
 
  private:
   void PublishReader();
@@ -90,6 +105,8 @@ class ServiceLink {
 
   client::Connection connection_;
   std::unique_ptr<TestDevice> test_;
+  std::optional<Hand> fixed_hand_;
+  std::string fixed_profile_;
   Log& log_;
   mutable std::mutex mutex_;  // of connection_ (except Beat) and of what follows
   protocol::SessionState session_ = protocol::SessionState::kNone;

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "layer/src/instance/instance.h"
+#include "layer/src/spaces/alignment.h"
 #include "service/base/clock.h"
 #include "service/protocol/text.h"
 
@@ -46,12 +46,12 @@ protocol::WirePose ToWire(const XrPosef& pose) {
 
 void Alignment::RequestBasePose(Session& session, XrSystemId system) {
   // Until the service answers; a conformance test sets the device's pose itself.
-  session.base_pose.Set(Guess(true, instance_.link.test() != nullptr), 0);
+  session.base_pose.Set(Guess(true, link_.test() != nullptr), 0);
   XrInstanceProperties runtime{XR_TYPE_INSTANCE_PROPERTIES, nullptr, 0, {}};
   XrSystemProperties headset{XR_TYPE_SYSTEM_PROPERTIES, nullptr, 0, 0, {}, {}, {}};
-  if (XR_FAILED(instance_.next.GetInstanceProperties(instance_.handle, &runtime)) ||
-      XR_FAILED(instance_.next.GetSystemProperties(instance_.handle, system, &headset))) {
-    instance_.log.Line("the runtime does not name itself or its headset: the base is assumed in front of the user");
+  if (XR_FAILED(runtime_.next.GetInstanceProperties(runtime_.handle, &runtime)) ||
+      XR_FAILED(runtime_.next.GetSystemProperties(runtime_.handle, system, &headset))) {
+    log_.Line("the runtime does not name itself or its headset: the base is assumed in front of the user");
     return;
   }
   protocol::BasePoseRequest request;
@@ -60,12 +60,12 @@ void Alignment::RequestBasePose(Session& session, XrSystemId system) {
   for (std::size_t i = 0; i < kAnchorTypes.size(); ++i) {
     if (session.anchors[i] != XR_NULL_HANDLE) request.spaces[request.space_count++] = kAnchorTypes[i];
   }
-  if (request.space_count > 0) instance_.link.RequestBasePose(request);
+  if (request.space_count > 0) link_.RequestBasePose(request);
 }
 
 // Called wherever the socket is polled; almost always there is nothing.
 void Alignment::Poll() {
-  const std::optional<protocol::BasePose> received = instance_.link.PopBasePose();
+  const std::optional<protocol::BasePose> received = link_.PopBasePose();
   if (!received) return;
   {
     const std::lock_guard lock(mutex_);
@@ -76,25 +76,24 @@ void Alignment::Poll() {
       std::max(base::MonotonicNow_ns(),
                received->changes_until_ns == 0 ? 0 : received->changes_until_ns + protocol::kSameChange_ns);
   BasePose base_pose = ToBasePose(*received);
-  if (instance_.link.test() != nullptr) {
+  if (link_.test() != nullptr) {
     base_pose.valid = base_pose.tracked = true;
     base_pose.follows = false;
   }
-  for (const auto& session : instance_.sessions.Values())
-    session->base_pose.Set(base_pose, instance_.clock.ToXr(known_until_ns));
+  for (const auto& session : records_.sessions.Values()) session->base_pose.Set(base_pose, clock_.ToXr(known_until_ns));
   if (received->known == 0 && received->follows == 0)
-    instance_.log.Line("this headset is not aligned with the base: run `omni align`");
+    log_.Line("this headset is not aligned with the base: run `omni align`");
 }
 
 void Alignment::OnSpaceChange(XrEventDataReferenceSpaceChangePending change) {
-  const auto session = instance_.sessions.Find(change.session);
+  const auto session = records_.sessions.Find(change.session);
   if (!session) return;
   // Out of range or NaN: the new origin counts as unknown.
   const bool in_range = protocol::PoseProblem(ToWire(change.poseInPreviousSpace)) == nullptr;
   if (!in_range) change.poseValid = XR_FALSE;
   const bool news = ReportChange(change);
   if (!news || session->base_pose.OnChange(change)) return;
-  instance_.log.Line(
+  log_.Line(
       "the runtime moves the origin of the base's reference space to an unknown place: the pen's poses are no longer "
       "tracked; run `omni align` again");
 }
@@ -104,7 +103,7 @@ bool Alignment::ReportChange(const XrEventDataReferenceSpaceChangePending& chang
   protocol::SpaceChange report;
   report.space = change.referenceSpaceType;
   report.pose_valid = change.poseValid ? 1 : 0;
-  report.changes_at_ns = instance_.clock.ToMonotonic(change.changeTime);
+  report.changes_at_ns = clock_.ToMonotonic(change.changeTime);
   if (change.poseValid) report.new_in_previous = ToWire(change.poseInPreviousSpace);
   {
     const std::lock_guard lock(mutex_);
@@ -113,7 +112,7 @@ bool Alignment::ReportChange(const XrEventDataReferenceSpaceChangePending& chang
       return false;
     }
   }
-  instance_.link.SendSpaceChange(report);
+  link_.SendSpaceChange(report);
   return true;
 }
 

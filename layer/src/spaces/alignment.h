@@ -4,17 +4,16 @@
 #include <mutex>
 #include <optional>
 
-#include "layer/src/entry/omni_openxr_compat.h"
+#include "layer/src/instance/runtime.h"
 #include "layer/src/instance/session.h"
 #include "service/protocol/messages.h"
 
 namespace omni::layer {
 
-class Instance;
-
 class Alignment {
  public:
-  explicit Alignment(Instance& instance) : instance_(instance) {}
+  Alignment(const Runtime& runtime, const Records& records, ServiceLink& link, const RuntimeClock& clock, Log& log)
+      : runtime_(runtime), records_(records), link_(link), clock_(clock), log_(log) {}
 
   void RequestBasePose(Session& session, XrSystemId system);
   // Handles the service's answers, if any. Called wherever the socket is polled.
@@ -24,7 +23,11 @@ class Alignment {
  private:
   bool ReportChange(const XrEventDataReferenceSpaceChangePending& change);
 
-  Instance& instance_;
+  const Runtime& runtime_;
+  const Records& records_;
+  ServiceLink& link_;
+  const RuntimeClock& clock_;
+  Log& log_;
   std::mutex mutex_;
   std::optional<protocol::BasePose> placed_;  // the service's last message
 };

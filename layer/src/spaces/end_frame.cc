@@ -1,6 +1,6 @@
 // xrEndFrame: layers in spaces of the pen are drawn where the pen is when the frame is shown.
 #include "layer/src/spaces/frame_layers.h"
-#include "layer/src/spaces/pen_space.h"
+#include "layer/src/spaces/locator.h"
 
 namespace omni::layer {
 namespace {
@@ -10,30 +10,32 @@ bool ShowsLayers(const XrFrameEndInfo* info) {
 }
 
 // The space of a layer that we can move.
-Side LayerSide(const Instance& instance, const XrCompositionLayerBaseHeader* layer) {
-  return layer && FrameLayers::Knows(layer->type) ? SideOf(instance, layer->space) : Side{};
+Side LayerSide(const HandleMap<XrSpace, Space>& spaces, const XrCompositionLayerBaseHeader* layer) {
+  return layer && FrameLayers::Knows(layer->type) ? SideOf(spaces, layer->space) : Side{};
 }
 
 }  // namespace
 
 // If no layer is in a space of the pen, the application's own structure is passed down.
 XrResult Locator::EndFrame(XrSession session, const XrFrameEndInfo* info) {
-  instance_.link.Beat();
-  if (!ShowsLayers(info)) return instance_.next.EndFrame(session, info);
-  const auto is_ours = [&](const XrCompositionLayerBaseHeader* layer) { return LayerSide(instance_, layer).ours(); };
+  link_.Beat();
+  if (!ShowsLayers(info)) return runtime_.next.EndFrame(session, info);
+  const auto is_ours = [&](const XrCompositionLayerBaseHeader* layer) {
+    return LayerSide(records_.spaces, layer).ours();
+  };
   const bool ours = std::any_of(info->layers, info->layers + info->layerCount, is_ours);
-  if (!ours) return instance_.next.EndFrame(session, info);
+  if (!ours) return runtime_.next.EndFrame(session, info);
 
   FrameLayers copies;
   std::vector<const XrCompositionLayerBaseHeader*> layers;
   layers.reserve(info->layerCount);
   for (std::uint32_t i = 0; i < info->layerCount; ++i) {
-    const Side side = LayerSide(instance_, info->layers[i]);
+    const Side side = LayerSide(records_.spaces, info->layers[i]);
     if (!side.ours() || side.session()->handle != session) {
       layers.push_back(info->layers[i]);
       continue;
     }
-    const PenAt pen = PenAtTime(instance_, *side.session(), info->displayTime);
+    const PenAt pen = PenAtTime(link_, clock_, *side.session(), info->displayTime);
     const Located X_LS = side.pen() ? pen.Locate(side.X_TS) : Located{};
     if ((X_LS.flags & kValid) != kValid) continue;  // its place is unknown: not shown
     layers.push_back(copies.Move(*info->layers[i], pen.anchor, X_LS.motion.X));
@@ -41,7 +43,7 @@ XrResult Locator::EndFrame(XrSession session, const XrFrameEndInfo* info) {
   XrFrameEndInfo changed = *info;
   changed.layerCount = static_cast<std::uint32_t>(layers.size());
   changed.layers = layers.empty() ? nullptr : layers.data();
-  return instance_.next.EndFrame(session, &changed);
+  return runtime_.next.EndFrame(session, &changed);
 }
 
 }  // namespace omni::layer

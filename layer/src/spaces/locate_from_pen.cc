@@ -1,5 +1,5 @@
 // The views and a tracked hand, located in a space of the pen.
-#include "layer/src/spaces/pen_space.h"
+#include "layer/src/spaces/locator.h"
 
 namespace omni::layer {
 namespace {
@@ -49,15 +49,15 @@ void MoveHandExtras(const Located& X_SL, void* chain) {
 
 XrResult Locator::LocateViews(XrSession session, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity,
                               uint32_t* count, XrView* views) {
-  instance_.link.Beat();
+  link_.Beat();
   const bool readable = info && info->type == XR_TYPE_VIEW_LOCATE_INFO && state && state->type == XR_TYPE_VIEW_STATE;
-  const Side base = readable ? SideOf(instance_, info->space) : Side{};
-  if (!base.ours()) return instance_.next.LocateViews(session, info, state, capacity, count, views);
+  const Side base = readable ? SideOf(records_.spaces, info->space) : Side{};
+  if (!base.ours()) return runtime_.next.LocateViews(session, info, state, capacity, count, views);
 
-  const PenAt pen = PenAtTime(instance_, *base.session(), info->displayTime);
+  const PenAt pen = PenAtTime(link_, clock_, *base.session(), info->displayTime);
   XrViewLocateInfo changed = *info;
   changed.space = pen.Below(base);
-  const XrResult result = instance_.next.LocateViews(session, &changed, state, capacity, count, views);
+  const XrResult result = runtime_.next.LocateViews(session, &changed, state, capacity, count, views);
   if (XR_FAILED(result)) return result;
   MoveViews(AnchorIn(base, pen), *state, views, capacity == 0 ? 0 : std::min(capacity, *count));
   return result;
@@ -65,32 +65,32 @@ XrResult Locator::LocateViews(XrSession session, const XrViewLocateInfo* info, X
 
 XrResult Locator::CreateHandTrackerEXT(XrSession session, const XrHandTrackerCreateInfoEXT* info,
                                        XrHandTrackerEXT* tracker) {
-  const XrResult result = instance_.next.CreateHandTrackerEXT(session, info, tracker);
-  instance_.link.Beat();
-  auto record = instance_.sessions.Find(session);
-  if (XR_SUCCEEDED(result) && record) instance_.hand_trackers.Insert(*tracker, std::move(record));
+  const XrResult result = runtime_.next.CreateHandTrackerEXT(session, info, tracker);
+  link_.Beat();
+  auto record = records_.sessions.Find(session);
+  if (XR_SUCCEEDED(result) && record) hand_trackers_.Insert(*tracker, std::move(record));
   return result;
 }
 
 XrResult Locator::DestroyHandTrackerEXT(XrHandTrackerEXT tracker) {
-  const XrResult result = instance_.next.DestroyHandTrackerEXT(tracker);
-  instance_.link.Beat();
-  if (XR_SUCCEEDED(result)) instance_.hand_trackers.Erase(tracker);
+  const XrResult result = runtime_.next.DestroyHandTrackerEXT(tracker);
+  link_.Beat();
+  if (XR_SUCCEEDED(result)) hand_trackers_.Erase(tracker);
   return result;
 }
 
 XrResult Locator::LocateHandJointsEXT(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
                                       XrHandJointLocationsEXT* locations) {
-  instance_.link.Beat();
+  link_.Beat();
   const bool readable = info && info->type == XR_TYPE_HAND_JOINTS_LOCATE_INFO_EXT && locations &&
                         locations->type == XR_TYPE_HAND_JOINT_LOCATIONS_EXT;
-  const Side base = readable ? SideOf(instance_, info->baseSpace) : Side{};
-  if (!base.ours()) return instance_.next.LocateHandJointsEXT(tracker, info, locations);
+  const Side base = readable ? SideOf(records_.spaces, info->baseSpace) : Side{};
+  if (!base.ours()) return runtime_.next.LocateHandJointsEXT(tracker, info, locations);
 
-  const PenAt pen = PenAtTime(instance_, *base.session(), info->time);
+  const PenAt pen = PenAtTime(link_, clock_, *base.session(), info->time);
   XrHandJointsLocateInfoEXT changed = *info;
   changed.baseSpace = pen.Below(base);
-  const XrResult result = instance_.next.LocateHandJointsEXT(tracker, &changed, locations);
+  const XrResult result = runtime_.next.LocateHandJointsEXT(tracker, &changed, locations);
   if (XR_FAILED(result)) return result;
   const Located X_SL = AnchorIn(base, pen);
   auto* const velocities = FindInChain<XrHandJointVelocitiesEXT>(locations->next, XR_TYPE_HAND_JOINT_VELOCITIES_EXT);

@@ -1,5 +1,5 @@
 // xrLocateSpaces of OpenXR 1.1 and of XR_KHR_locate_spaces: as xrLocateSpace, for many spaces in one call down.
-#include "layer/src/spaces/pen_space.h"
+#include "layer/src/spaces/locator.h"
 
 namespace omni::layer {
 namespace {
@@ -10,8 +10,8 @@ bool NamesSpaces(const XrSpacesLocateInfo* info, const XrSpaceLocations* locatio
 }
 
 // A space of another session is passed down as it is: the runtime rejects it.
-Side SideIn(const Instance& instance, const Session& session, XrSpace handle) {
-  Side side = SideOf(instance, handle);
+Side SideIn(const HandleMap<XrSpace, Space>& spaces, const Session& session, XrSpace handle) {
+  Side side = SideOf(spaces, handle);
   if (side.session() != &session) side.served_by = kServedByRuntime;
   return side;
 }
@@ -19,32 +19,32 @@ Side SideIn(const Instance& instance, const Session& session, XrSpace handle) {
 }  // namespace
 
 XrResult Locator::LocateSpaces(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* locations) {
-  return LocateSpacesThrough(instance_.next.LocateSpaces, session, info, locations);
+  return LocateSpacesThrough(runtime_.next.LocateSpaces, session, info, locations);
 }
 
 XrResult Locator::LocateSpacesKHR(XrSession session, const XrSpacesLocateInfo* info, XrSpaceLocations* locations) {
-  return LocateSpacesThrough(instance_.next.LocateSpacesKHR, session, info, locations);
+  return LocateSpacesThrough(runtime_.next.LocateSpacesKHR, session, info, locations);
 }
 
 // The application's output is passed down as it is, so that the runtime checks its counts and fills what we do not
 // know.
 XrResult Locator::LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
                                       XrSpaceLocations* locations) {
-  instance_.link.Beat();
-  const auto record = instance_.sessions.Find(session);
+  link_.Beat();
+  const auto record = records_.sessions.Find(session);
   if (!record || !NamesSpaces(info, locations)) return below(session, info, locations);
-  const Side base = SideIn(instance_, *record, info->baseSpace);
-  const auto is_ours = [&](XrSpace space) { return SideIn(instance_, *record, space).ours(); };
+  const Side base = SideIn(records_.spaces, *record, info->baseSpace);
+  const auto is_ours = [&](XrSpace space) { return SideIn(records_.spaces, *record, space).ours(); };
   if (!base.ours() && std::none_of(info->spaces, info->spaces + info->spaceCount, is_ours))
     return below(session, info, locations);
 
-  const PenAt pen = PenAtTime(instance_, *record, info->time);
+  const PenAt pen = PenAtTime(link_, clock_, *record, info->time);
   std::vector<Side> sides;
   std::vector<XrSpace> asked;
   sides.reserve(info->spaceCount);
   asked.reserve(info->spaceCount);
   for (std::uint32_t i = 0; i < info->spaceCount; ++i) {
-    sides.push_back(SideIn(instance_, *record, info->spaces[i]));
+    sides.push_back(SideIn(records_.spaces, *record, info->spaces[i]));
     asked.push_back(pen.Below(sides.back()));
   }
   XrSpacesLocateInfo changed = *info;

@@ -1,22 +1,22 @@
 // Spaces, and all that is located in one.
 #pragma once
 
-#include "layer/src/entry/omni_openxr_compat.h"
-#include "layer/src/instance/session.h"
-#include "layer/src/spaces/locate.h"
+#include "layer/src/instance/runtime.h"
+#include "layer/src/spaces/pen_space.h"
 
 namespace omni::layer {
 
-class Instance;
-
 class Locator {
  public:
-  explicit Locator(Instance& instance) : instance_(instance) {}
+  Locator(const Runtime& runtime, Records& records, ServiceLink& link, const RuntimeClock& clock, Log& log)
+      : runtime_(runtime), records_(records), link_(link), clock_(clock), log_(log) {}
+
+  bool Contains(XrHandTrackerEXT tracker) const { return hand_trackers_.Contains(tracker); }
+  void EndOf(XrSession session);
 
   // spaces.cc
   XrResult CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* info, XrSpace* space);
   XrResult CreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInfo* info, XrSpace* space);
-  XrResult DestroySpace(XrSpace space);
   XrResult LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location);
 
   // locate_many.cc
@@ -39,14 +39,17 @@ class Locator {
 
   // The spaces of the runtime in which the base may be placed.
   void MakeAnchors(Session& session);
-  // Action spaces of the session follow the sync that has just been made.
-  void UpdateSpaces(const Session& session);
 
  private:
   XrResult LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
                                XrSpaceLocations* locations);
 
-  Instance& instance_;
+  const Runtime& runtime_;
+  Records& records_;
+  ServiceLink& link_;
+  const RuntimeClock& clock_;
+  Log& log_;
+  HandleMap<XrHandTrackerEXT, Session> hand_trackers_;  // to their sessions
 };
 
 }  // namespace omni::layer

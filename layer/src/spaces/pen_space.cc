@@ -26,10 +26,10 @@ void FollowBase(const BaseMotion& base, const Session& session, PenAt& pen) {
 
 }  // namespace
 
-Side SideOf(const Instance& instance, XrSpace handle) {
+Side SideOf(const HandleMap<XrSpace, Space>& spaces, XrSpace handle) {
   Side side;
   side.handle = handle;
-  side.space = instance.spaces.Find(handle);
+  side.space = spaces.Find(handle);
   if (!side.space) return side;
   side.served_by = side.space->served_by.load(std::memory_order_acquire);
   if (side.pen() && side.space->focused_only && !side.space->session->focused) side.served_by = kServedByNobody;
@@ -37,15 +37,15 @@ Side SideOf(const Instance& instance, XrSpace handle) {
   return side;
 }
 
-PenAt PenAtTime(const Instance& instance, const Session& session, XrTime time) {
+PenAt PenAtTime(const ServiceLink& link, const RuntimeClock& clock, const Session& session, XrTime time) {
   PenAt pen;
   pen.base_pose = session.base_pose.At(time);
   pen.anchor = session.Anchor(pen.base_pose.space);
   pen.X_LO.X = pen.base_pose.X_LO;
-  const auto reader = instance.link.reader();
+  const auto reader = link.reader();
   if (pen.base_pose.follows) pen.base_pose.tracked = false;
   if (!reader) return pen;
-  const std::int64_t t_ns = instance.clock.ToMonotonic(time);
+  const std::int64_t t_ns = clock.ToMonotonic(time);
   const std::int64_t now_ns = base::MonotonicNow_ns();
   pen.tool = ToolMotionAt(*reader, t_ns, now_ns);
   if (pen.base_pose.follows) FollowBase(BaseMotionAt(*reader, t_ns, now_ns), session, pen);

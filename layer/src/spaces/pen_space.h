@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "layer/src/instance/instance.h"
+#include "layer/src/instance/session.h"
 #include "layer/src/spaces/locate.h"
 
 namespace omni::layer {
@@ -20,7 +20,7 @@ struct Side {
   const Session* session() const { return space ? space->session.get() : nullptr; }
 };
 
-Side SideOf(const Instance& instance, XrSpace handle);
+Side SideOf(const HandleMap<XrSpace, Space>& spaces, XrSpace handle);
 
 // The pen at one time in one session: what all spaces of a call share.
 struct PenAt {
@@ -37,7 +37,7 @@ struct PenAt {
 };
 
 // No runtime call, no system call.
-PenAt PenAtTime(const Instance& instance, const Session& session, XrTime time);
+PenAt PenAtTime(const ServiceLink& link, const RuntimeClock& clock, const Session& session, XrTime time);
 
 // Space `s` in space `b`, at least one of them ours, from what the runtime says of their stand-ins.
 Located Between(const Side& s, const Side& b, const Located& below, const PenAt& pen) noexcept;

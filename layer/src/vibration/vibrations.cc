@@ -7,7 +7,6 @@
 #include <limits>
 #include <utility>
 
-#include "layer/src/instance/instance.h"
 #include "service/base/clock.h"
 
 namespace omni::layer {
@@ -25,8 +24,8 @@ T ReadAs(const XrHapticBaseHeader* haptic) {
 // Calls with doubtful arguments are left to the runtime, which returns the right error.
 Vibrations::Channels Vibrations::Route(XrSession session, const XrHapticActionInfo* info) const {
   if (!info || info->type != XR_TYPE_HAPTIC_ACTION_INFO) return {};
-  const auto record = instance_.sessions.Find(session);
-  const auto action = record ? instance_.actions.Find(info->action) : nullptr;
+  const auto record = records_.sessions.Find(session);
+  const auto action = record ? records_.actions.Find(info->action) : nullptr;
   if (!action || action->type != XR_ACTION_TYPE_VIBRATION_OUTPUT) return {};
   if (!record->focused) return {};
   const std::shared_lock lock(record->mutex);
@@ -50,20 +49,19 @@ XrResult Vibrations::Below(const Channels& route, const XrHapticActionInfo* info
 
 XrResult Vibrations::ApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info,
                                          const XrHapticBaseHeader* haptic) {
-  instance_.Alive();
   if (haptic && haptic->type == XR_TYPE_HAPTIC_VIBRATION) return ApplyTone(session, info, haptic);
   if (haptic && haptic->type == XR_TYPE_HAPTIC_AMPLITUDE_ENVELOPE_VIBRATION_FB &&
-      instance_.Enabled(XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME))
+      runtime_.Enabled(XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME))
     return ApplyEnvelope(session, info, haptic);
-  if (haptic && haptic->type == XR_TYPE_HAPTIC_PCM_VIBRATION_FB && instance_.Enabled(XR_FB_HAPTIC_PCM_EXTENSION_NAME))
+  if (haptic && haptic->type == XR_TYPE_HAPTIC_PCM_VIBRATION_FB && runtime_.Enabled(XR_FB_HAPTIC_PCM_EXTENSION_NAME))
     return ApplyPcm(session, info, haptic);
-  return instance_.next.ApplyHapticFeedback(session, info, haptic);
+  return runtime_.next.ApplyHapticFeedback(session, info, haptic);
 }
 
 XrResult Vibrations::ApplyTone(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic) {
   const Channels route = Route(session, info);
   const XrResult result = Below(route, info, [&](const XrHapticActionInfo* at) {
-    return instance_.next.ApplyHapticFeedback(session, at, haptic);
+    return runtime_.next.ApplyHapticFeedback(session, at, haptic);
   });
   if (!route.to_pen || result != XR_SUCCESS) return result;
   Play(ToPulse(ReadAs<XrHapticVibration>(haptic)));
@@ -72,41 +70,41 @@ XrResult Vibrations::ApplyTone(XrSession session, const XrHapticActionInfo* info
 
 void Vibrations::Play(const Pulse& pulse) {
   backlog_.Clear();
-  instance_.link.Haptic(pulse.duration_ns, pulse.amplitude, pulse.frequency_Hz);
+  link_.Haptic(pulse.duration_ns, pulse.amplitude, pulse.frequency_Hz);
 }
 
 void Vibrations::Stop() {
   backlog_.Clear();
-  instance_.link.HapticStop();
+  link_.HapticStop();
 }
 
 // A runtime that does not know the shape gets the closest plain vibration: its devices vibrate, and it checks handles
 // and paths.
 XrResult Vibrations::ShapeBelow(bool only_ours, XrSession session, const XrHapticActionInfo* info,
                                 const XrHapticBaseHeader* haptic, const std::optional<ShapedVibration>& shaped) const {
-  if (!only_ours) return instance_.next.ApplyHapticFeedback(session, info, haptic);
+  if (!only_ours) return runtime_.next.ApplyHapticFeedback(session, info, haptic);
   const XrHapticVibration plain = WithoutShape(*shaped);
-  return instance_.next.ApplyHapticFeedback(session, info,
-                                            static_cast<const XrHapticBaseHeader*>(static_cast<const void*>(&plain)));
+  return runtime_.next.ApplyHapticFeedback(session, info,
+                                           static_cast<const XrHapticBaseHeader*>(static_cast<const void*>(&plain)));
 }
 
 XrResult Vibrations::ApplyEnvelope(XrSession session, const XrHapticActionInfo* info,
                                    const XrHapticBaseHeader* haptic) {
   const Channels route = Route(session, info);
-  const bool only_ours = instance_.OnlyOurs(XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME);
+  const bool only_ours = runtime_.OnlyOurs(XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME);
   const auto shaped = ReadEnvelope(ReadAs<XrHapticAmplitudeEnvelopeVibrationFB>(haptic));
   if (!shaped && (only_ours || route.to_pen)) return XR_ERROR_VALIDATION_FAILURE;
   const XrResult result = Below(
       route, info, [&](const XrHapticActionInfo* at) { return ShapeBelow(only_ours, session, at, haptic, shaped); });
   if (!route.to_pen || result != XR_SUCCESS) return result;
   backlog_.Clear();
-  instance_.link.Waveform(shaped->waveform, shaped->samples);
+  link_.Waveform(shaped->waveform, shaped->samples);
   return result;
 }
 
 XrResult Vibrations::ApplyPcm(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic) {
   const Channels route = Route(session, info);
-  const bool only_ours = instance_.OnlyOurs(XR_FB_HAPTIC_PCM_EXTENSION_NAME);
+  const bool only_ours = runtime_.OnlyOurs(XR_FB_HAPTIC_PCM_EXTENSION_NAME);
   const auto pcm = ReadAs<XrHapticPcmVibrationFB>(haptic);
   auto shaped = ReadPcm(pcm);
   if (!shaped && (only_ours || route.to_pen)) return XR_ERROR_VALIDATION_FAILURE;
@@ -133,16 +131,15 @@ std::uint32_t Vibrations::PlayPcm(XrAction action, ShapedVibration& pcm) {
   pcm.samples.resize(backlog_.Book(action, pcm, base::MonotonicNow_ns(), continues));
   pcm.waveform.append = continues ? 1 : 0;
   if (pcm.samples.empty()) return 0;
-  if (instance_.link.Waveform(pcm.waveform, pcm.samples)) return static_cast<std::uint32_t>(pcm.samples.size());
+  if (link_.Waveform(pcm.waveform, pcm.samples)) return static_cast<std::uint32_t>(pcm.samples.size());
   backlog_.Clear();  // nothing plays: the application tries again
   return 0;
 }
 
 XrResult Vibrations::StopHapticFeedback(XrSession session, const XrHapticActionInfo* info) {
-  instance_.Alive();
   const Channels route = Route(session, info);
   const XrResult result =
-      Below(route, info, [&](const XrHapticActionInfo* at) { return instance_.next.StopHapticFeedback(session, at); });
+      Below(route, info, [&](const XrHapticActionInfo* at) { return runtime_.next.StopHapticFeedback(session, at); });
   if (route.to_pen && result == XR_SUCCESS) Stop();
   return result;
 }
@@ -150,11 +147,11 @@ XrResult Vibrations::StopHapticFeedback(XrSession session, const XrHapticActionI
 // [xrGetDeviceSampleRateFB] The pen's coils for the pen's hand; without the extension below, 0 for all else.
 XrResult Vibrations::GetDeviceSampleRateFB(XrSession session, const XrHapticActionInfo* info,
                                            XrDevicePcmSampleRateStateFB* rate) {
-  instance_.link.Beat();
-  const auto record = instance_.sessions.Find(session);
+  link_.Beat();
+  const auto record = records_.sessions.Find(session);
   const bool readable =
       info && info->type == XR_TYPE_HAPTIC_ACTION_INFO && rate && rate->type == XR_TYPE_DEVICE_PCM_SAMPLE_RATE_STATE_FB;
-  const auto action = record && readable ? instance_.actions.Find(info->action) : nullptr;
+  const auto action = record && readable ? records_.actions.Find(info->action) : nullptr;
   if (action && action->type == XR_ACTION_TYPE_VIBRATION_OUTPUT) {
     const std::shared_lock lock(record->mutex);
     const bool declared = info->subactionPath == XR_NULL_PATH || action->Declares(info->subactionPath);
@@ -164,13 +161,13 @@ XrResult Vibrations::GetDeviceSampleRateFB(XrSession session, const XrHapticActi
       return XR_SUCCESS;
     }
   }
-  if (instance_.next.GetDeviceSampleRateFB) return instance_.next.GetDeviceSampleRateFB(session, info, rate);
+  if (runtime_.next.GetDeviceSampleRateFB) return runtime_.next.GetDeviceSampleRateFB(session, info, rate);
   if (!record) return XR_ERROR_HANDLE_INVALID;
   if (!readable) return XR_ERROR_VALIDATION_FAILURE;
   if (!action) return XR_ERROR_HANDLE_INVALID;
   if (action->type != XR_ACTION_TYPE_VIBRATION_OUTPUT) return XR_ERROR_ACTION_TYPE_MISMATCH;
   if (info->subactionPath != XR_NULL_PATH && !action->Declares(info->subactionPath)) {
-    return instance_.PathText(info->subactionPath).empty() ? XR_ERROR_PATH_INVALID : XR_ERROR_PATH_UNSUPPORTED;
+    return runtime_.PathText(info->subactionPath).empty() ? XR_ERROR_PATH_INVALID : XR_ERROR_PATH_UNSUPPORTED;
   }
   const std::shared_lock lock(record->mutex);
   if (!record->actions.attached(*action->set)) return XR_ERROR_ACTIONSET_NOT_ATTACHED;

@@ -5,17 +5,16 @@
 #include <optional>
 #include <vector>
 
-#include "layer/src/actions/session_actions.h"
-#include "layer/src/entry/omni_openxr_compat.h"
+#include "layer/src/instance/runtime.h"
+#include "layer/src/instance/session.h"
 #include "layer/src/vibration/haptics.h"
 
 namespace omni::layer {
 
-class Instance;
-
 class Vibrations {
  public:
-  explicit Vibrations(Instance& instance) : instance_(instance) {}
+  Vibrations(const Runtime& runtime, const Records& records, ServiceLink& link)
+      : runtime_(runtime), records_(records), link_(link) {}
 
   XrResult ApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* haptic);
   XrResult StopHapticFeedback(XrSession session, const XrHapticActionInfo* info);
@@ -42,7 +41,9 @@ class Vibrations {
                       const XrHapticBaseHeader* haptic, const std::optional<ShapedVibration>& shaped) const;
   std::uint32_t PlayPcm(XrAction action, ShapedVibration& pcm);
 
-  Instance& instance_;
+  const Runtime& runtime_;
+  const Records& records_;
+  ServiceLink& link_;
   PcmBacklog backlog_;
 };
 
