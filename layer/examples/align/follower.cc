@@ -1,5 +1,3 @@
-#include "align/follower.h"
-
 #include "align/hands.h"
 
 namespace align {

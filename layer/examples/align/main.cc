@@ -25,7 +25,6 @@
 #include <string>
 #include <vector>
 
-#include "align/follower.h"
 #include "align/hands.h"
 #include "session/session.h"
 

@@ -1,14 +1,25 @@
-// What an OpenXR application needs besides OpenXR to get a session, when it draws nothing: XR_MND_headless where the
-// runtime offers it; else a Vulkan device, with which it submits frames without layers.
+// What the examples need besides OpenXR: their command line; and to get a session without drawing anything,
+// XR_MND_headless where the runtime offers it, else a Vulkan device, with which they submit frames without layers.
 #pragma once
 
 #include <openxr/openxr.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace example {
+
+struct Options {
+  std::string hand = "right";
+  std::string name;  // what the runtime, and omnid's files in apps.d, see
+  double seconds = 10;
+};
+
+// [--hand right|left] [--seconds S] [--name NAME]; `options.name` is at first the program's. Empty: continue. Otherwise
+// the exit status: 0, --help was printed; 2, something else was given, and stderr says what.
+std::optional<int> ParseArguments(int argc, char** argv, Options& options);
 
 // Instance extensions of the runtime and of the layers that are loaded for every application.
 std::vector<std::string> AvailableExtensions();

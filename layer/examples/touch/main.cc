@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "session/arguments.h"
 #include "session/session.h"
 
 namespace {
