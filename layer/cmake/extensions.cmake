@@ -46,7 +46,7 @@ foreach(i RANGE ${list_last})
 endforeach()
 
 set(extensions_cc ${CMAKE_CURRENT_BINARY_DIR}/our_extensions.cc)
-file(CONFIGURE OUTPUT ${extensions_cc} @ONLY CONTENT [[#include "layer/src/entry/our_extensions.h"
+file(CONFIGURE OUTPUT ${extensions_cc} @ONLY CONTENT [[#include "layer/src/entry/own_extensions.h"
 
 namespace omni::layer {
 

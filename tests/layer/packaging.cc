@@ -15,7 +15,7 @@
 
 #include "layer/src/actions/profile.h"
 #include "layer/src/entry/loader_interface.h"
-#include "layer/src/entry/own_functions.h"
+#include "layer/src/entry/own_extensions.h"
 #include "tests/layer/support/app.h"
 #include "tests/support/process/scoped_variable.h"
 #include "tests/support/process/temp_folder.h"

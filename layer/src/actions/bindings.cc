@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <string>
 
-#include "layer/src/actions/bindings.h"
+#include "layer/src/actions/input.h"
 
 namespace omni::layer {
 namespace {

@@ -1,13 +1,53 @@
-// Action sets, actions, attachment and the sync, and what an application reads of them.
+// Actions, from suggested bindings to the states that an application reads.
 #pragma once
 
+#include <mutex>
+#include <string>
+#include <string_view>
 #include <vector>
 
-#include "layer/src/actions/bindings.h"
+#include "layer/src/actions/binding_modifications.h"
+#include "layer/src/actions/session_actions.h"
+#include "layer/src/instance/runtime.h"
+#include "layer/src/instance/session.h"
 #include "layer/src/vibration/vibrations.h"
 
 namespace omni::layer {
 
+// Suggested bindings and the profile that is current.
+class Bindings {
+ public:
+  Bindings(const Runtime& runtime, const Records& records, ServiceLink& link, const std::vector<Profile>& profiles)
+      : runtime_(runtime), records_(records), link_(link), profiles_(profiles) {}
+
+  XrResult SuggestInteractionProfileBindings(const XrInteractionProfileSuggestedBinding* suggested);
+  XrResult GetCurrentInteractionProfile(XrSession session, XrPath user_path, XrInteractionProfileState* state);
+
+  // All that were suggested until now.
+  Suggestions Suggested() const;
+
+  // What the runtime alone would show for a hand.
+  XrPath ProfileBelow(XrSession session, XrPath user_path) const;
+  // `before` and `after` differ: an event is due if the application sees another profile than before.
+  void NotifyProfileChange(Session& session, XrPath user_path, const Profile* before, const Profile* after);
+
+ private:
+  bool OnlyOurs(const Profile& profile) const;
+  bool OnlyOurs(const Profile& profile, std::string_view full_path) const;
+  XrResult CheckSuggestions(const Profile& profile, const std::vector<XrActionSuggestedBinding>& suggested);
+  XrResult Forward(const XrInteractionProfileSuggestedBinding& suggested, const Profile* known);
+  void Record(const std::string& profile_path, const XrInteractionProfileSuggestedBinding& suggested,
+              const std::vector<BindingThreshold>& thresholds);
+
+  const Runtime& runtime_;
+  const Records& records_;
+  ServiceLink& link_;
+  const std::vector<Profile>& profiles_;
+  mutable std::mutex mutex_;
+  Suggestions suggestions_;
+};
+
+// Action sets, actions, attachment and the sync, and what an application reads of them.
 class Input {
  public:
   Input(const Runtime& runtime, Records& records, ServiceLink& link, RuntimeClock& clock, Log& log, Bindings& bindings,

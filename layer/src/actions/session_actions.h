@@ -13,7 +13,7 @@
 
 #include "layer/src/actions/binding_modifications.h"
 #include "layer/src/actions/merge.h"
-#include "layer/src/actions/pen_inputs.h"
+#include "layer/src/actions/pen.h"
 #include "layer/src/actions/profile.h"
 #include "layer/src/instance/clock.h"
 #include "layer/src/instance/records.h"

@@ -6,13 +6,21 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <unordered_map>
 
-#include "layer/src/actions/pen_inputs.h"
+#include "layer/src/actions/pen.h"
 #include "layer/src/spaces/pose_math.h"
 #include "service/base/sealed_memory.h"
 #include "service/client/state_reader.h"
 
 namespace omni::layer {
+
+// What XR_EXT_conformance_automation has set for a hand.
+struct TestInputs {
+  bool active = false;
+  std::string profile;                                 // that the device claims to be
+  std::unordered_map<std::string, InputValue> values;  // by local path of a scalar: "/input/thumbstick/x"
+};
 
 class TestDevice {
  public:

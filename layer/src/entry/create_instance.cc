@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "layer/src/entry/our_extensions.h"
+#include "layer/src/entry/own_extensions.h"
 #include "layer/src/instance/registry.h"
 
 namespace omni::layer {

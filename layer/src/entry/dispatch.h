@@ -90,12 +90,4 @@ bool LoadDispatch(XrInstance instance, PFN_xrGetInstanceProcAddr next_get, Dispa
 // Our own function of that name, or nullptr. `below` is the table of the calling instance; null: there is none yet.
 PFN_xrVoidFunction FindIntercepted(const char* name, const Dispatch* below);
 
-// A function of an extension that only this layer implements. Each extension has a file of entry points
-// with such a table.
-struct OwnFunction {
-  const char* name;       // "xrApplyForceOMNIX1"
-  const char* extension;  // answered only to applications that enabled it
-  PFN_xrVoidFunction function;
-};
-
 }  // namespace omni::layer

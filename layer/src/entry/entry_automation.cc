@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "layer/src/entry/entry_automation.h"
 #include "layer/src/entry/guarded.h"
+#include "layer/src/entry/own_extensions.h"
 #include "layer/src/spaces/locate.h"
 #include "service/base/clock.h"
 

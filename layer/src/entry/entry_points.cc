@@ -5,7 +5,7 @@
 
 #include "layer/src/entry/create_instance.h"
 #include "layer/src/entry/guarded.h"
-#include "layer/src/entry/own_functions.h"
+#include "layer/src/entry/own_extensions.h"
 
 namespace omni::layer {
 namespace {

@@ -1,8 +1,7 @@
-#include "layer/src/entry/own_functions.h"
+#include "layer/src/entry/own_extensions.h"
 
 #include "layer/include/openxr/omni_force_feedback.h"
 #include "layer/include/openxr/omni_haptic_scene.h"
-#include "layer/src/entry/entry_automation.h"
 #include "layer/src/entry/guarded.h"
 
 namespace omni::layer {

@@ -1,4 +1,4 @@
-#include "layer/src/entry/own_names.h"
+#include "layer/src/entry/own_extensions.h"
 
 #include <cstddef>
 

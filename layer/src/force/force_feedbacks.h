@@ -1,14 +1,36 @@
 // The functions of XR_OMNIX1_force_feedback. There is one handle at a time.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <mutex>
+#include <utility>
+#include <vector>
 
 #include "layer/include/openxr/omni_force_feedback.h"
-#include "layer/src/force/force_feedback.h"
+#include "layer/src/force/force_rules.h"
 #include "layer/src/instance/event_queue.h"
+#include "layer/src/instance/session.h"
 #include "layer/src/spaces/locator.h"
 
 namespace omni::layer {
+
+// One XrForceFeedbackOMNIX1.
+struct ForceFeedback {
+  ForceFeedback(std::shared_ptr<Session> of, const ForceStatus& at_first) : session(std::move(of)), watch(at_first) {}
+
+  // Unique among live records.
+  XrForceFeedbackOMNIX1 handle() noexcept { return reinterpret_cast<XrForceFeedbackOMNIX1>(this); }
+
+  const std::shared_ptr<Session> session;
+
+  std::mutex mutex;                          // of what follows; never held during a call to the next layer
+  std::vector<LocalConstraint> constraints;  // as set
+  std::uint64_t constraint_changes = 0;      // of that list
+  protocol::ForceConstraints sent;           // as last sent to the service ...
+  std::uint64_t sent_connection = 0;         // ... over this connection
+  ForceStatusWatch watch;
+};
 
 class ForceFeedbacks {
  public:

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "layer/src/force/force_feedback.h"
+#include "layer/src/force/force_feedbacks.h"
 #include "layer/src/instance/instance.h"
 #include "layer/src/spaces/locate.h"
 #include "service/base/clock.h"

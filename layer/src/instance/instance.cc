@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "layer/src/entry/own_names.h"
+#include "layer/src/entry/own_extensions.h"
 #include "service/base/clock.h"
 #include "service/protocol/environment.h"
 

@@ -6,7 +6,6 @@
 #include <tuple>
 #include <vector>
 
-#include "layer/src/actions/bindings.h"
 #include "layer/src/actions/input.h"
 #include "layer/src/force/force_feedbacks.h"
 #include "layer/src/instance/clock.h"

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <shared_mutex>
 
-#include "layer/src/actions/pen_rest.h"
+#include "layer/src/actions/pen.h"
 #include "layer/src/actions/session_actions.h"
 #include "layer/src/spaces/base_pose.h"
 

@@ -9,7 +9,6 @@
 #include <glm/geometric.hpp>
 
 #include "layer/src/entry/two_call.h"
-#include "layer/src/scene/haptic_material.h"
 #include "layer/src/spaces/locator.h"
 #include "service/base/clock.h"
 #include "service/base/sealed_memory.h"

@@ -17,6 +17,7 @@
 #include "layer/src/instance/records.h"
 #include "layer/src/service/service_link.h"
 #include "layer/src/spaces/locate.h"
+#include "service/base/material.h"
 #include "service/base/unique_fd.h"
 
 namespace omni::layer {
@@ -139,5 +140,13 @@ std::optional<std::uint32_t> ObjectOf(const HapticScene& scene, XrHapticNodeIdOM
                                       std::uint32_t any_of_flags) noexcept;
 
 bool IsUnitPose(const XrPosef& pose) noexcept;
+
+// All values are finite.
+bool IsMaterial(const XrHapticMaterialOMNIX1& material) noexcept;
+
+// In the ranges of service/base/material.h; dynamic friction is at most static friction.
+base::MaterialParameters ToParameters(const XrHapticMaterialOMNIX1& material) noexcept;
+
+void Put(const base::MaterialParameters& parameters, XrHapticMaterialOMNIX1& material) noexcept;
 
 }  // namespace omni::layer

@@ -3,7 +3,6 @@
 #include <cstring>
 
 #include "layer/src/entry/two_call.h"
-#include "layer/src/scene/haptic_material.h"
 #include "layer/src/scene/haptic_scene.h"
 
 namespace omni::layer {

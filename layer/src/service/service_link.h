@@ -21,21 +21,6 @@
 
 namespace omni::layer {
 
-// The pen as one xrSyncActions sees it.
-struct PenSnapshot {
-  bool present = false;
-  std::uint64_t service_instance = 0;
-  protocol::ToolSample sample;
-  protocol::InputSnapshot inputs;
-};
-
-// Which hand holds the pen, and the profile to prefer (empty: the order of priorities).
-struct PenChoice {
-  Hand hand = Hand::kRight;
-  std::string profile;
-  bool operator==(const PenChoice&) const = default;
-};
-
 class ServiceLink {
  public:
   ServiceLink(client::ConnectionInfo info, Log& log);

@@ -3,13 +3,17 @@
 // [XrEventDataReferenceSpaceChangePending] A change applies to queries for `changeTime` and later; earlier times are
 // answered with the origin as it was. The base does not move in the world: with X_LL' = poseInPreviousSpace,
 // X_L'O = inverse(X_LL') * X_LO. Where that pose is not known, the base is somewhere near: VALID, not TRACKED.
+//
+// Below: where a base that something carries was, is or will be, from the service's ring of its poses.
 #pragma once
 
+#include <cstdint>
 #include <shared_mutex>
 #include <vector>
 
 #include "layer/src/entry/omni_openxr_compat.h"
 #include "layer/src/spaces/pose_math.h"
+#include "service/client/state_reader.h"
 
 namespace omni::layer {
 
@@ -22,7 +26,7 @@ struct BasePose {
   Pose X_LO = DefaultBasePose();  // base in the natural frame of L: no offset of any application
   bool valid = true;              // false: it is not known where the base stands; the pen has no pose
   bool tracked = true;            // false: the pen's poses are VALID, not TRACKED
-  bool follows = false;           // the base moves: base_motion.h has where it is, this is for want of that
+  bool follows = false;           // the base moves: BaseMotionAt has where it is, this is for want of that
 };
 
 // The placement of one session over time. Any thread may call anything; nothing blocks for long.
@@ -51,5 +55,26 @@ class BasePoseHistory {
   std::vector<Epoch> epochs_{Epoch{}};  // in the order of arrival, never empty; the last one that has begun applies
   std::vector<XrEventDataReferenceSpaceChangePending> changes_;  // the last kMostEpochs, of any space
 };
+
+// A source whose newest pose is older than this is lost. Two frames of the slowest headset (45 Hz): in one the next
+// pose is measured, in the other it is on its way. A source that says that it is lost is lost at once.
+inline constexpr std::int64_t kBaseSilence_ns = 2'000'000'000 / 45;
+
+// Prediction ends here; later times get the pose of this horizon. A base on an arc, with the speed v and the turn rate
+// w, leaves the straight line of its velocity by v w t^2 / 2: 1 mm at 0.5 m/s, 90 degrees/s and 50 ms.
+inline constexpr std::int64_t kMaxBasePrediction_ns = 50'000'000;
+
+// A time between poses that are further apart than this was not measured.
+inline constexpr std::int64_t kMaxBaseGap_ns = 50'000'000;
+
+struct BaseMotion {
+  bool valid = false;                                          // X_LO is a real (maybe not recent) pose
+  bool tracked = false;                                        // seen at that time
+  XrReferenceSpaceType space = XR_REFERENCE_SPACE_TYPE_LOCAL;  // L
+  Motion X_LO;                                                 // base in L
+};
+
+// `now_ns`: CLOCK_MONOTONIC, decides whether the source is there at all. No system call, no lock, no allocation.
+BaseMotion BaseMotionAt(const client::StateReader& reader, std::int64_t t_ns, std::int64_t now_ns) noexcept;
 
 }  // namespace omni::layer

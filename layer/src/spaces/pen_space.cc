@@ -1,6 +1,6 @@
-#include "layer/src/spaces/pen_space.h"
+#include "layer/src/spaces/locator.h"
 
-#include "layer/src/spaces/base_motion.h"
+#include "layer/src/spaces/base_pose.h"
 #include "service/base/clock.h"
 
 namespace omni::layer {

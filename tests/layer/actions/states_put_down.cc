@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "layer/src/actions/pen_rest.h"
+#include "layer/src/actions/pen.h"
 #include "tests/layer/support/app.h"
 
 namespace omni::test {

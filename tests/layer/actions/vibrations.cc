@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "layer/src/vibration/haptics.h"
+#include "layer/src/vibration/vibrations.h"
 #include "tests/layer/support/app.h"
 
 namespace omni::test {

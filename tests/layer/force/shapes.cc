@@ -1,13 +1,11 @@
 // Constraints from a space into the base frame, over random motions; and which changes of state are events.
-#include "layer/src/force/force_shapes.h"
+#include "layer/src/force/force_rules.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include <glm/geometric.hpp>
-
-#include "layer/src/force/force_state.h"
 
 namespace omni::layer {
 namespace test_force_shapes {

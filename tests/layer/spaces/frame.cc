@@ -4,7 +4,6 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 
-#include "layer/src/spaces/frame_layers.h"
 #include "tests/layer/spaces/fixture.h"
 
 namespace omni::test {

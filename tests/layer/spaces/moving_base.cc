@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "layer/src/spaces/base_motion.h"
+#include "layer/src/spaces/base_pose.h"
 #include "tests/layer/spaces/fixture.h"
 #include "tests/layer/support/scene_scenario.h"
 

@@ -1,10 +1,27 @@
-#include "layer/src/actions/pen_rest.h"
+#include "layer/src/actions/pen.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "layer/src/actions/test_device.h"
+
 namespace omni::layer {
 namespace {
+
+ComponentInput FromPen(const Component& component, const protocol::InputSnapshot& inputs) {
+  const auto input = [&inputs](int source) {
+    return source == kNoSource ? InputValue() : inputs.components[static_cast<std::size_t>(source)];
+  };
+  const bool has_click = component.click_source != kNoSource;
+  return {input(component.source), input(has_click ? component.click_source : component.source),
+          has_click || component.type == ComponentType::kBoolean};
+}
+
+ComponentInput FromTest(const Component& component, const TestInputs& test) {
+  const auto found = test.values.find(component.path);
+  const InputValue value = found == test.values.end() ? InputValue() : found->second;
+  return {value, value, component.type == ComponentType::kBoolean};
+}
 
 // z of the tool frame: R (0, 0, 1).
 std::array<double, 3> Axis(const protocol::ToolSample& s) {
@@ -23,6 +40,15 @@ std::int64_t LastInput_ns(const protocol::InputSnapshot& inputs) {
 }
 
 }  // namespace
+
+std::vector<ComponentInput> ReadInputs(const Profile& profile, const protocol::InputSnapshot& inputs,
+                                       const TestInputs* test) {
+  std::vector<ComponentInput> out;
+  out.reserve(profile.components.size());
+  for (const Component& component : profile.components)
+    out.push_back(test ? FromTest(component, *test) : FromPen(component, inputs));
+  return out;
+}
 
 bool PenRest::Moved(const PenSnapshot& pen, double distance_m, double angle_rad) const {
   // Chord of the angle between two unit vectors.

@@ -1,6 +1,8 @@
-// Constraints of XR_OMNIX1_force_feedback: from the application's structures to the service's message. Pure.
+// The pure part of XR_OMNIX1_force_feedback: constraints, from the application's structures to the service's message;
+// the state that is reported, and which of its changes are events.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -8,6 +10,7 @@
 #include "layer/src/entry/omni_openxr_compat.h"
 #include "layer/src/spaces/pose_math.h"
 #include "service/protocol/force_feedback.h"
+#include "service/protocol/state_memory.h"
 
 namespace omni::layer {
 
@@ -29,5 +32,31 @@ std::array<double, 3> Clamped(const glm::dvec3& v, double limit) noexcept;
 
 // True: `now` is nothing new to the service, which extrapolates constraints by their velocity.
 bool SameConstraints(const protocol::ForceConstraints& sent, const protocol::ForceConstraints& now) noexcept;
+
+struct ForceStatus {
+  bool active = false;
+  XrForceFeedbackStateFlagsOMNIX1 flags = 0;
+  bool operator==(const ForceStatus&) const = default;
+};
+
+struct ForceSituation {
+  bool focused = false;
+  protocol::ForceStanding standing = protocol::ForceStanding::kFree;
+  bool fresh = false;                            // a sample arrived within 100 ms
+  const protocol::ToolSample* sample = nullptr;  // whose flags count; null: none
+};
+ForceStatus StatusOf(const ForceSituation& situation) noexcept;
+
+// Bits that flicker with the hand's motion are reported as cleared only after half a second without them.
+class ForceStatusWatch {
+ public:
+  explicit ForceStatusWatch(const ForceStatus& at_first) : reported_(at_first) {}
+  // True: there is a change to report, in `reported`.
+  bool Step(const ForceStatus& now, std::int64_t now_ns, ForceStatus& reported) noexcept;
+
+ private:
+  ForceStatus reported_;
+  std::array<std::int64_t, 4> seen_ns_{};
+};
 
 }  // namespace omni::layer
