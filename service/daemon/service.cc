@@ -10,7 +10,7 @@
 
 #include "service/base/clock.h"
 #include "service/daemon/clients/status.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/protocol/text.h"
 
 namespace omni::daemon {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "service/daemon/service.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::daemon {
 

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <memory>
 
-#include "service/haptics/live/virtual_editor.h"
+#include "service/haptics/sculpt/virtual_editor.h"
 #include "service/loop/denormals.h"
 
 namespace omni::daemon {
@@ -69,7 +69,7 @@ VirtualRunSummary RunVirtual(const loop::TickConfig& config, device::Transport& 
   VirtualRunSummary summary;
   TickHash hash;
   base::HallScan scan;
-  haptics::VirtualEditor editor(scene);
+  haptics::sculpt::VirtualEditor editor(scene);
   loop::EnterScene(scene, 1, *state);
   while (transport.Read(scan, 0) == device::ReadStatus::kScan) {
     const loop::Commands commands = script ? script(scan) : OpenGate(scan);

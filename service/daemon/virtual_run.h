@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "service/device/transport.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/tick.h"
 
 namespace omni::daemon {

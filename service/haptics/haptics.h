@@ -9,12 +9,12 @@
 #include "service/base/actuation_types.h"
 #include "service/base/tool_state.h"
 #include "service/base/vec.h"
-#include "service/haptics/material.h"
-#include "service/haptics/scene_limits.h"
+#include "service/haptics/scene/material.h"
+#include "service/haptics/scene/scene_limits.h"
 
 namespace omni::haptics {
 
-class Scene;   // scene.h
+class Scene;   // scene/scene.h
 struct State;  // state.h
 
 inline constexpr int kMaxContacts = 4;  // objects touched at once; the deepest ones are kept
@@ -22,7 +22,7 @@ inline constexpr int kMaxContacts = 4;  // objects touched at once; the deepest 
 struct Config {
   double force_slew_N_s = 850;      // |dF/dt| limit (0.85 N/ms)
   double ramp_s = 0.15;             // force fades in over this time after contact at start, scene swap, tracking loss
-  double stiffness_max_N_m = 1000;  // upper bound, whatever the material says: rule in haptics/stability
+  double stiffness_max_N_m = 1000;  // upper bound, whatever the material says: rule in stability/stability.h
   double delay_s = 3e-3;            // as Input's, while none is measured; for the stability rule
   double coil_lag_s = 0.4e-3;       // control step to 63 % of a current; `omni-bench latency` measures .23 to .35 ms
   double predict_max_s = 0.020;     // the tip is predicted to when the current acts, at most so far
@@ -40,7 +40,7 @@ struct ObjectPose {
   bool leaps = false;        // teleported since the last tick, not moved, however near
 };
 
-// How a scene as a whole has moved since the last tick (placed.h). Its poses are in its own frame then.
+// How a scene as a whole has moved since the last tick (live/placed.h). Its poses are in its own frame then.
 enum class SceneMotion : std::uint8_t { kStill = 0, kMoves = 1, kLeaps = 2 };
 
 // Where a whole scene stands: x_base = R x + t.

@@ -8,8 +8,8 @@
 #include "service/base/vec.h"
 #include "service/haptics/deformable/soft_contact_state.h"
 #include "service/haptics/haptics.h"
-#include "service/haptics/material.h"
-#include "service/haptics/scene_limits.h"
+#include "service/haptics/scene/material.h"
+#include "service/haptics/scene/scene_limits.h"
 #include "service/haptics/sculpt/sculpt_state.h"
 
 namespace omni::haptics {
@@ -92,7 +92,7 @@ struct VehicleState {
   LapState lap;
 };
 
-// The stiffness bound, which changes slowly: haptics/stability.h.
+// The stiffness bound, which changes slowly: stability/stability.h.
 struct StiffnessBoundState {
   bool known = false;
   double age_s = 0;  // since it was renewed
@@ -103,7 +103,7 @@ struct StiffnessBoundState {
   double damping_Ns_m = 0;                      // the bound
 };
 
-// What contacts have given to the hand: haptics/energy_watch.h.
+// What contacts have given to the hand: stability/energy_watch.h.
 struct EnergyState {
   bool has_tip = false;
   base::Vec3 tip;
@@ -126,7 +126,7 @@ struct SwingBandState {
   int halves = 0;  // half swings that lasted, less those that died away
 };
 
-// How the tip swings against what it touches: haptics/swing_watch.h.
+// How the tip swings against what it touches: stability/swing_watch.h.
 struct SwingState {
   std::array<SwingBandState, kSwingBands> bands{};
   base::Vec3 direction;  // of the force

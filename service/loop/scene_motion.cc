@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "service/haptics/contact/frame.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::loop {
 namespace {

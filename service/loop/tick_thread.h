@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "service/base/latest.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/realtime.h"
 #include "service/loop/scene_memory.h"
 #include "service/loop/surface_snapshot.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "service/base/result.h"
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 
 namespace omni::scene {
 

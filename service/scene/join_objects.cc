@@ -5,7 +5,7 @@
 #include <map>
 #include <tuple>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::scene {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "service/haptics/scene.h"
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene.h"
+#include "service/haptics/scene/scene_input.h"
 
 namespace omni::scene {
 

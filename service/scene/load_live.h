@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/cache/cache_store.h"
 #include "service/scene/load_soft_body.h"
 

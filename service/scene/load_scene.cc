@@ -5,7 +5,7 @@
 #include <new>
 #include <utility>
 
-#include "service/haptics/check_scene.h"
+#include "service/haptics/scene/check_scene.h"
 #include "service/scene/cache/build_stamp.h"
 #include "service/scene/cache/cached_scene.h"
 #include "service/scene/scene_reader.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "service/base/result.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/cache/cache_store.h"
 #include "service/scene/scene_file.h"
 

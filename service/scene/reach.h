@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 #include "service/scene/scene_file.h"
 #include "service/scene/tags/haptic_tag.h"
 

@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/gltf/gltf_decode.h"
 #include "service/scene/gltf/gltf_file.h"
 #include "service/scene/gltf/gltf_subset.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 #include "service/scene/cache/sha256.h"
 #include "service/scene/scene_file.h"
 

@@ -8,7 +8,7 @@
 
 #include "service/haptics/contact/ball/ball_proxy.h"
 #include "service/haptics/contact/shading.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/haptics/scenario.h"
 
 namespace omni::haptics {

@@ -21,7 +21,7 @@
 #include "service/config/files/twin_file.h"
 #include "service/daemon/clients/publish.h"
 #include "service/daemon/virtual_run.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/sim/twin/twin.h"
 #include "service/tools/common/csv_table.h"
 #include "service/tools/common/statistics.h"

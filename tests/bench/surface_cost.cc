@@ -12,7 +12,7 @@
 #include "service/haptics/deformable/build/build_soft_body.h"
 #include "service/haptics/deformable/soft_contact.h"
 #include "service/haptics/live/surface_frame.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/ipc/surface_publisher.h"
 #include "service/loop/surface_snapshot.h"
 #include "tests/bench/arguments.h"

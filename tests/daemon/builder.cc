@@ -7,7 +7,7 @@
 
 #include "service/daemon/scenes/scene_builder.h"
 #include "service/haptics/live/live_parts.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/glb_save.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/process/temp_folder.h"

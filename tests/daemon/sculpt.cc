@@ -10,7 +10,7 @@
 
 #include "service/daemon/scenes/sculpt_thread.h"
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/sculpt/sculpt_query.h"
 #include "service/scene/scene_file.h"
 #include "tests/haptics/scenario.h"

@@ -13,7 +13,7 @@
 #include "service/daemon/scenes/surface_thread.h"
 #include "service/daemon/service.h"
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/ipc/state_publisher.h"
 #include "service/loop/tick_config.h"
 #include "tests/deformable/scenario.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "service/haptics/deformable/build/capacitance.h"
+#include "service/haptics/deformable/capacitance.h"
 
 namespace omni::haptics {
 namespace test_deformable_capacitance {

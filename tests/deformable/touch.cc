@@ -2,7 +2,7 @@
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/contact/softness.h"
 #include "service/haptics/live/live_parts.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "tests/deformable/scenario.h"
 #include "tests/support/same_bits.h"

@@ -3,7 +3,7 @@
 
 #include "service/haptics/contact/proxy.h"
 #include "service/haptics/contact/shading.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "tests/geometry/ball_scenario.h"
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/haptics/contact/proxy.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/haptics/oracle.h"
 #include "tests/support/surface_queries.h"
 

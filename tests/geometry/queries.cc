@@ -5,7 +5,7 @@
 
 #include "service/haptics/geometry/query.h"
 #include "service/haptics/geometry/topology.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/haptics/oracle.h"
 #include "tests/support/surface_queries.h"
 

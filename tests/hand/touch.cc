@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/tools/hand/person.h"
 #include "service/tools/scene/scene_source.h"
 #include "tests/haptics/scenario.h"

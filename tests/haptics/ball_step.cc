@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "service/haptics/live/live_parts.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/deformable/scenario.h"
 #include "tests/support/surface_queries.h"
 #include "tests/support/touch/ball_bodies.h"

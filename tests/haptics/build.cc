@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "service/haptics/geometry/query.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/haptics/scenario.h"
 
 namespace omni::haptics {

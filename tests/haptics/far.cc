@@ -2,7 +2,7 @@
 // path.
 #include <gtest/gtest.h>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/same_bits.h"
 

@@ -5,9 +5,9 @@
 #include <map>
 
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/live/sculpted_scene.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/sculpt/sculpt_query.h"
+#include "service/haptics/sculpt/sculpted_scene.h"
 #include "tests/support/touch/sculpt_body.h"
 
 namespace omni::haptics {
@@ -169,7 +169,7 @@ TEST(LiveSculptSessionTest, TakesSurfaceAndParametersFromTheScene) {
   EXPECT_EQ(surface.GetTriangle(top.triangle).object, 1);
   EXPECT_EQ(surface.GetTriangle(top.triangle).material, 1);
 
-  const SceneInput saved = SculptedScene(scene, live);
+  const SceneInput saved = sculpt::SculptedScene(scene, live);
   ASSERT_EQ(saved.objects.size(), 1U);
   EXPECT_EQ(saved.objects[0].name, "lump");
   EXPECT_EQ(saved.objects[0].triangles.size(), scene.objects()[1].triangle_count);

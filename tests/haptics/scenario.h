@@ -9,7 +9,7 @@
 
 #include "service/base/vec.h"
 #include "service/haptics/haptics.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/state.h"
 #include "tests/support/usual_limit.h"
 

@@ -1,13 +1,13 @@
 // The stiffness bound, and the energy watch over contacts.
-#include "service/haptics/stability.h"
+#include "service/haptics/stability/stability.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <numbers>
 
-#include "service/haptics/energy_watch.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
+#include "service/haptics/stability/energy_watch.h"
 #include "tests/haptics/scenario.h"
 
 namespace omni::haptics {

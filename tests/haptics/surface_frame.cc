@@ -7,7 +7,7 @@
 
 #include "service/haptics/geometry/surface.h"
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/deformable/scenario.h"
 #include "tests/support/soft_step.h"
 #include "tests/support/touch/sculpt_body.h"

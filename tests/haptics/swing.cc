@@ -5,8 +5,8 @@
 #include <memory>
 #include <random>
 
-#include "service/haptics/scene.h"
-#include "service/haptics/swing_watch.h"
+#include "service/haptics/scene/scene.h"
+#include "service/haptics/stability/swing_watch.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/touch/virtual_wall.h"
 

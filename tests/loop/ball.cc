@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/support/touch/scenario.h"
 
 namespace omni::test {

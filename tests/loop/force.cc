@@ -5,7 +5,7 @@
 
 #include "service/actuation/actuation.h"
 #include "service/base/limits.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/magnetics/nominal.h"
 #include "service/sim/fields/random.h"
 #include "tests/support/touch/scenario.h"

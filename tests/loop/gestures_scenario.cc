@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <random>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/support/touch/scenario.h"
 
 namespace omni::test {

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "service/config/files/device_file.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
 #include "tests/support/rig/hostile_stream.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "tests/support/touch/scenario.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "service/base/limits.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/support/touch/scenario.h"
 
 namespace omni::test {

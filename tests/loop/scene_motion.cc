@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/haptics/contact/frame.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "service/loop/scene_motion.h"
 #include "tests/haptics/scenario.h"

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "service/config/files/device_file.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/fields/vec3.h"

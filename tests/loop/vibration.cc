@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/vibration.h"
 #include "tests/support/touch/scenario.h"
 

@@ -4,10 +4,10 @@
 
 #include <limits>
 
-#include "service/haptics/check_scene.h"
 #include "service/haptics/geometry/mesh_repair.h"
 #include "service/haptics/geometry/mesh_topology.h"
 #include "service/haptics/geometry/winding_number.h"
+#include "service/haptics/scene/check_scene.h"
 #include "tests/haptics/scenario.h"
 
 namespace omni::haptics {

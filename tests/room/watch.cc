@@ -14,7 +14,7 @@
 
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/tick_config.h"
 #include "service/room/room_watch.h"
 #include "service/sim/hand/ordinary_hand.h"

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <limits>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/load_scene.h"
 #include "tests/scene/files.h"
 

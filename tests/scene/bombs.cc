@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/load_scene.h"
 #include "tests/scene/files.h"
 #include "tests/support/bombs.h"

@@ -6,8 +6,8 @@
 
 #include <filesystem>
 
-#include "service/haptics/check_scene.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/check_scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/cache/cache_store.h"
 #include "service/scene/cache/cached_scene.h"
 #include "service/scene/load_scene.h"

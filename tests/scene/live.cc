@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/live/virtual_editor.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
+#include "service/haptics/sculpt/virtual_editor.h"
 #include "service/scene/load_live.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/process/temp_folder.h"
@@ -32,7 +32,7 @@ SceneInput JellyAndClay() {
 
 // The pen presses the clay in, waits and lifts; the bits of all forces.
 std::vector<Vec3> FormedBy(Scene scene) {
-  VirtualEditor editor(scene);
+  sculpt::VirtualEditor editor(scene);
   Pen pen(std::move(scene));
   std::vector<Vec3> forces_N;
   const auto go = [&](const Vec3& to, int ticks) {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/scene/files.h"
 
 namespace omni::scene::test {

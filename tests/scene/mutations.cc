@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <random>
 
-#include "service/haptics/check_scene.h"
 #include "service/haptics/haptics.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/check_scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/state.h"
 #include "tests/scene/files.h"
 

@@ -5,9 +5,9 @@
 
 #include <stb/stb_image_write.h>
 
-#include "service/haptics/check_scene.h"
 #include "service/haptics/contact/texture.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/check_scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/load_scene.h"
 #include "tests/scene/files.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "scenes/generator/models/scene_models.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/scene_file.h"
 
 namespace omni::scenes {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/haptics/scenario.h"
 
 namespace omni::tools {

@@ -1,7 +1,7 @@
 // The stick's notches: a potential, within the stiffness bound, without steps.
 #include <gtest/gtest.h>
 
-#include "service/haptics/stability.h"
+#include "service/haptics/stability/stability.h"
 #include "tests/vehicle/scene.h"
 
 namespace omni::haptics {

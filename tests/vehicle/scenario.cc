@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/base/force_limit.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/vehicle/hit_pulse.h"
 #include "service/haptics/vehicle/road_force.h"
 #include "tests/vehicle/scene.h"

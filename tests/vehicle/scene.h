@@ -1,7 +1,7 @@
 // A ring road between two walls, and drivers for it.
 #pragma once
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/vehicle/car.h"
 #include "service/haptics/vehicle/car_dynamics.h"
 #include "tests/haptics/scenario.h"

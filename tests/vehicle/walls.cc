@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "service/base/force_limit.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/vehicle/hit_pulse.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "tests/vehicle/scene.h"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "service/base/clock.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::daemon {
 namespace {

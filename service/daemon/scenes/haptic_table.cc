@@ -4,7 +4,7 @@
 #include "service/base/material.h"
 #include "service/daemon/scenes/app_scenes.h"
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/protocol/text.h"
 
 namespace omni::daemon {

@@ -16,7 +16,7 @@
 #include "service/base/priority_mutex.h"
 #include "service/base/unique_fd.h"
 #include "service/config/files/app_file.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/cache/cache_store.h"
 #include "service/scene/load_soft_body.h"
 #include "service/scene/scene_file.h"

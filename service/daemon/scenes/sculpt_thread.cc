@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/sealed_memory.h"
-#include "service/haptics/live/sculpted_scene.h"
+#include "service/haptics/sculpt/sculpted_scene.h"
 #include "service/scene/glb_save.h"
 
 namespace omni::daemon {
@@ -228,7 +228,7 @@ void SculptThread::Execute(const Work& work, std::unique_lock<std::mutex>& lock)
 
 // The surface is copied under the lock, written without it: the tick's strokes go on meanwhile.
 void SculptThread::Save(const Sculpted& sculpted, std::unique_lock<std::mutex>& lock, SculptAnswer& answer) {
-  const haptics::SceneInput saved = haptics::SculptedScene(*sculpted.scene, *sculpted.scene->live());
+  const haptics::SceneInput saved = haptics::sculpt::SculptedScene(*sculpted.scene, *sculpted.scene->live());
   lock.unlock();
   WriteFile(saved, answer);
   lock.lock();

@@ -16,7 +16,7 @@
 #include "service/base/priority_mutex.h"
 #include "service/base/unique_fd.h"
 #include "service/haptics/live/live_parts.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::daemon {
 

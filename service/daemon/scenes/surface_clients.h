@@ -11,7 +11,7 @@
 #include <string>
 
 #include "service/daemon/scenes/surface_thread.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/ipc/server.h"
 
 namespace omni::daemon {

@@ -15,7 +15,7 @@
 
 #include "service/base/priority_mutex.h"
 #include "service/haptics/live/surface_frame.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/ipc/surface_publisher.h"
 #include "service/loop/surface_snapshot.h"
 

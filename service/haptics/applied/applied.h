@@ -8,7 +8,7 @@
 
 #include "service/haptics/applied/constraint.h"
 #include "service/haptics/haptics.h"
-#include "service/haptics/stability.h"
+#include "service/haptics/stability/stability.h"
 #include "service/haptics/state.h"
 
 namespace omni::haptics {

@@ -8,7 +8,7 @@
 #include "service/haptics/contact/softness.h"
 #include "service/haptics/contact/texture.h"
 #include "service/haptics/geometry/topology.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "service/haptics/contact/contact_scene.h"
-#include "service/haptics/stability.h"
+#include "service/haptics/stability/stability.h"
 
 namespace omni::haptics {
 

@@ -7,7 +7,7 @@
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/geometry/surface.h"
 #include "service/haptics/live/live_parts.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/sculpt/sculpt_query.h"
 
 namespace omni::haptics {

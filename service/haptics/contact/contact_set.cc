@@ -3,7 +3,7 @@
 #include "service/haptics/contact/ball/ball_touch.h"
 #include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/geometry/query.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "service/haptics/contact/contact_scene.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 

@@ -1,9 +1,9 @@
 #include "service/haptics/contact/sculpt_touch.h"
 
 #include "service/haptics/contact/contact_slots.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/sculpt/handover.h"
-#include "service/haptics/stability.h"
+#include "service/haptics/stability/stability.h"
 
 namespace omni::haptics {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 

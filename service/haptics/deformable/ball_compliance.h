@@ -2,7 +2,7 @@
 // of the whole body and a spring, in series. Runs in the tick. docs/theory/deformable.md, section 6.
 #pragma once
 
-#include "service/haptics/deformable/build/local_model.h"
+#include "service/haptics/deformable/local_model.h"
 
 namespace omni::haptics {
 

@@ -5,8 +5,8 @@
 #include <type_traits>
 
 #include "service/base/vec.h"
-#include "service/haptics/deformable/build/capacitance.h"
-#include "service/haptics/deformable/build/local_model.h"
+#include "service/haptics/deformable/capacitance.h"
+#include "service/haptics/deformable/local_model.h"
 #include "service/haptics/deformable/soft_place.h"
 
 namespace omni::haptics {

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "service/haptics/geometry/surface.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "service/haptics/geometry/mesh.h"
-#include "service/haptics/material.h"
+#include "service/haptics/scene/material.h"
 
 namespace omni::haptics {
 

@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "service/haptics/geometry/winding_number.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "service/haptics/geometry/mesh.h"
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 
 namespace omni::haptics {
 

@@ -4,7 +4,7 @@
 #include "service/haptics/geometry/mesh_holes.h"
 #include "service/haptics/geometry/mesh_orient.h"
 #include "service/haptics/geometry/mesh_snap.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 namespace {

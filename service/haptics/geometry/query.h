@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "service/haptics/geometry/surface.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 

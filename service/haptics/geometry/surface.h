@@ -5,7 +5,7 @@
 #include <array>
 
 #include "service/haptics/geometry/mesh_view.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/state.h"
 
 namespace omni::haptics {

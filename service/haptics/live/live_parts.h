@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "service/haptics/deformable/soft_body.h"
-#include "service/haptics/live/sculpt_session.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
+#include "service/haptics/sculpt/sculpt_session.h"
 
 namespace omni::haptics {
 

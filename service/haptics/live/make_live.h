@@ -10,7 +10,7 @@
 #include "service/haptics/deformable/build/build_soft_body.h"
 #include "service/haptics/geometry/mesh.h"
 #include "service/haptics/live/live_parts.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 

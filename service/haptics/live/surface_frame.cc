@@ -1,6 +1,6 @@
 #include "service/haptics/live/surface_frame.h"
 #include "service/haptics/deformable/soft_contact.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 #include "service/haptics/vehicle/car.h"
 
 #include "service/base/force_limit.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/vehicle/car_dynamics.h"
 #include "service/haptics/vehicle/hit_pulse.h"
 #include "service/haptics/vehicle/lap_timer.h"

@@ -3,7 +3,7 @@
 // docs/theory/haptics.md, section 8.
 #pragma once
 
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 #include "service/haptics/state.h"
 #include "service/haptics/vehicle/joystick.h"
 

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "service/base/vec.h"
-#include "service/haptics/scene_input.h"
-#include "service/haptics/stability.h"
+#include "service/haptics/scene/scene_input.h"
+#include "service/haptics/stability/stability.h"
 
 namespace omni::haptics {
 

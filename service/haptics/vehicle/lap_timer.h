@@ -2,7 +2,7 @@
 #pragma once
 
 #include "service/base/vec.h"
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 #include "service/haptics/state.h"
 
 namespace omni::haptics {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "service/haptics/check_input.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/check_input.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/vehicle/wall_map.h"
 
 namespace omni::haptics {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "service/haptics/scene_block.h"
+#include "service/haptics/scene/scene_block.h"
 
 namespace omni::haptics {
 

@@ -6,7 +6,7 @@
 #include <new>
 #include <utility>
 
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 #include "service/scene/drawn_scene.h"
 #include "service/scene/glb_write.h"
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-#include "service/haptics/check_scene.h"
+#include "service/haptics/scene/check_scene.h"
 #include "service/scene/gltf/json_reading.h"
 #include "service/scene/gltf/load_error.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/scene_file.h"
 
 namespace omni::scene {

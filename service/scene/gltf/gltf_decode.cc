@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/gltf/accessor_use.h"
 #include "service/scene/gltf/load_error.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "service/base/vec.h"
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 #include "service/scene/gltf/gltf_subset.h"
 
 namespace omni::scene {

@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/gltf/accessor_use.h"
 #include "service/scene/gltf/instances.h"
 #include "service/scene/gltf/load_error.h"

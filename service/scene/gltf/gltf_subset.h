@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/gltf/gltf_file.h"
 #include "service/scene/gltf/json_reading.h"
 

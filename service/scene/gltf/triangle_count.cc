@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/gltf/instances.h"
 #include "service/scene/gltf/load_error.h"
 

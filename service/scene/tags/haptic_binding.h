@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 #include "service/scene/gltf/json_reading.h"
 #include "service/scene/gltf/node_tree.h"
 #include "service/scene/tags/haptic_tag.h"

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "service/base/material.h"
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 
 namespace omni::scene {
 

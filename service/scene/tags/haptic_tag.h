@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 #include "service/scene/gltf/json_reading.h"
 #include "service/scene/tags/haptic_keys.h"
 

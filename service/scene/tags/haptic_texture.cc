@@ -7,7 +7,7 @@
 
 #include <stb/stb_image.h>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/gltf/load_error.h"
 
 namespace omni::scene {

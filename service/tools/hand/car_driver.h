@@ -2,7 +2,7 @@
 // and after hits, backs off when it is stuck.
 #pragma once
 
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 #include "service/tools/hand/perceived.h"
 #include "service/tools/hand/track_line.h"
 

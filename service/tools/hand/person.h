@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "service/base/result.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/tools/hand/hand_task.h"
 #include "service/tools/hand/touch_places.h"
 

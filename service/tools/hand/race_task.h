@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/tools/hand/car_driver.h"
 #include "service/tools/hand/moving_aim.h"
 

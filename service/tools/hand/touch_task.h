@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/tools/hand/moving_aim.h"
 #include "service/tools/hand/touch_places.h"
 

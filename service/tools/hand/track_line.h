@@ -5,7 +5,7 @@
 
 #include "service/base/result.h"
 #include "service/base/vec.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::tools {
 

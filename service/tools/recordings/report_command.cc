@@ -12,7 +12,7 @@
 
 #include "service/config/files/device_file.h"
 #include "service/console/wrap.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/commands.h"
 #include "service/tools/common/files.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "service/base/vec.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::tools {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/tools/scene/scene_source.h"
 
 namespace omni::tools {

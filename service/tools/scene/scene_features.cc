@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/tools/common/text_output.h"
 
 namespace omni::tools {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "service/base/result.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/load_live.h"
 #include "service/scene/scene_file.h"
 

@@ -8,7 +8,7 @@
 
 #include "service/base/material.h"
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/protocol/text.h"
 #include "service/scene/tags/haptic_keys.h"
 #include "service/tools/common/text_output.h"

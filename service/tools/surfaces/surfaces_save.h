@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "service/client/surface_reader.h"
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 
 namespace omni::tools {
 

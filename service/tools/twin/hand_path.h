@@ -2,7 +2,7 @@
 #pragma once
 
 #include "service/base/result.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/sim/twin/twin.h"
 #include "service/tools/hand/touch_places.h"
 

@@ -8,7 +8,7 @@
 
 #include "service/base/result.h"
 #include "service/base/vec.h"
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 
 namespace omni::collision {
 

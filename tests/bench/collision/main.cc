@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/state.h"
 #include "tests/bench/collision/judge.h"
 #include "tests/bench/collision/path.h"

@@ -1,7 +1,7 @@
 // Our rows: the contact update as haptics::Step makes it, the whole Step, the nearest point.
 #include "service/haptics/contact/contact_set.h"
 #include "service/haptics/geometry/query.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/bench/collision/engine.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/surface_queries.h"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/bench/collision/body.h"
 
 namespace omni::collision {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "service/base/limits.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/tick.h"
 #include "service/sim/fields/vec3.h"
 #include "service/sim/twin/loopback.h"

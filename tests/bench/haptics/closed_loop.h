@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "service/base/result.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/tick.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/twin/loopback.h"

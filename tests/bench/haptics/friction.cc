@@ -6,7 +6,7 @@
 #include "service/base/limits.h"
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/haptics.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/state.h"
 #include "tests/bench/harness/bench.h"
 

@@ -10,7 +10,7 @@
 
 #include "service/base/force_limit.h"
 #include "service/config/files/device_file.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/vehicle/wall_map.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/vehicle/car.h"
 #include "service/sim/fields/random.h"
 #include "service/tools/scene/scene_source.h"

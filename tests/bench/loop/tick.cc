@@ -16,7 +16,7 @@
 #include "service/base/limits.h"
 #include "service/config/files/twin_file.h"
 #include "service/haptics/live/live_parts.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/denormals.h"
 #include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"

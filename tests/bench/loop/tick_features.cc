@@ -8,7 +8,7 @@
 #include <string>
 
 #include "service/config/paths.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/haptics/state.h"
 #include "service/scene/load_live.h"
 #include "tests/bench/harness/idle_timing.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "service/haptics/haptics.h"
-#include "service/haptics/scene_input.h"
+#include "service/haptics/scene/scene_input.h"
 #include "tests/bench/harness/bench.h"
 
 namespace omni::bench {

@@ -11,7 +11,7 @@
 
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/fields/vec3.h"

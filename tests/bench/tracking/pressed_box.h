@@ -6,7 +6,7 @@
 
 #include "service/base/result.h"
 #include "service/base/truth_parameters.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/tick.h"
 #include "service/sim/twin/loopback.h"
 

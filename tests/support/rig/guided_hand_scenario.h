@@ -11,8 +11,8 @@
 
 #include "service/config/files/twin_file.h"
 #include "service/haptics/live/surface_frame.h"
-#include "service/haptics/live/virtual_editor.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
+#include "service/haptics/sculpt/virtual_editor.h"
 #include "service/sim/fields/random.h"
 #include "service/tools/hand/hand_task.h"
 #include "tests/support/touch/scenario.h"
@@ -172,7 +172,7 @@ class LedScenario {
   std::unique_ptr<device::Transport> twin_;
   std::unique_ptr<loop::LoopState> state_;
   std::unique_ptr<loop::TickOutput> output_;
-  haptics::VirtualEditor editor_;
+  haptics::sculpt::VirtualEditor editor_;
   std::vector<haptics::RestObject> soft_;
   std::uint64_t tick_ = 0;
   double t_s_ = 0;

@@ -7,7 +7,7 @@
 #include "service/config/files/device_file.h"
 #include "service/daemon/virtual_run.h"
 #include "service/haptics/live/make_live.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/twin/twin.h"

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "service/daemon/scenes/sculpt_thread.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::test {
 

@@ -8,7 +8,7 @@
 #include "service/base/device_geometry.h"
 #include "service/config/files/device_file.h"
 #include "service/device/transport.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/twin/twin.h"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "service/haptics/live/live_parts.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 #include "tests/support/touch/sculpt_body.h"
 
 namespace omni::haptics::sculpt {

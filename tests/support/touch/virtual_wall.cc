@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "service/base/limits.h"
-#include "service/haptics/scene.h"
-#include "service/haptics/stability.h"
+#include "service/haptics/scene/scene.h"
+#include "service/haptics/stability/stability.h"
 #include "service/sim/fields/random.h"
 #include "service/tracker/filter/filter.h"
 #include "service/tracker/room/point_noise.h"

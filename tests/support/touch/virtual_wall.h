@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "service/haptics/haptics.h"
-#include "service/haptics/material.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/material.h"
+#include "service/haptics/scene/scene.h"
 #include "service/sim/fields/tremor.h"
 
 namespace omni::test {

@@ -2,7 +2,7 @@
 
 #include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/geometry/topology.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "service/haptics/deformable/build/fem.h"
 #include "service/haptics/deformable/build/patch_load.h"
-#include "service/haptics/deformable/soft_grid.h"
+#include "service/haptics/deformable/build/soft_grid.h"
 
 namespace omni::haptics {
 namespace {

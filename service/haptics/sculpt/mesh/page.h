@@ -8,7 +8,7 @@
 
 #include "service/haptics/geometry/tree_node.h"
 #include "service/haptics/geometry/triangle_math.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics::sculpt {
 

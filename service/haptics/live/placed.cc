@@ -1,8 +1,8 @@
-#include "service/haptics/placed.h"
+#include "service/haptics/live/placed.h"
 
 #include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/contact/frame.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 namespace {

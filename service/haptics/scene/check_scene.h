@@ -3,7 +3,7 @@
 #pragma once
 
 #include "service/base/result.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 

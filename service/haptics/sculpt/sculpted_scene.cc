@@ -1,7 +1,7 @@
-#include "service/haptics/live/sculpted_scene.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/sculpt/sculpted_scene.h"
+#include "service/haptics/scene/scene.h"
 
-namespace omni::haptics {
+namespace omni::haptics::sculpt {
 
 SceneInput SculptedScene(const Scene& scene, const LiveParts& live) {
   SceneInput saved;
@@ -27,4 +27,4 @@ SceneInput SculptedScene(const Scene& scene, const LiveParts& live) {
   return saved;
 }
 
-}  // namespace omni::haptics
+}  // namespace omni::haptics::sculpt

@@ -4,9 +4,9 @@
 #pragma once
 
 #include "service/haptics/live/live_parts.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
-namespace omni::haptics {
+namespace omni::haptics::sculpt {
 
 class VirtualEditor {
  public:
@@ -36,4 +36,4 @@ class VirtualEditor {
   int ticks_ = 0;
 };
 
-}  // namespace omni::haptics
+}  // namespace omni::haptics::sculpt

@@ -1,4 +1,4 @@
-#include "service/haptics/deformable/soft_grid.h"
+#include "service/haptics/deformable/build/soft_grid.h"
 
 #include <algorithm>
 #include <unordered_map>

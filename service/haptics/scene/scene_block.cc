@@ -1,4 +1,4 @@
-#include "service/haptics/scene_block.h"
+#include "service/haptics/scene/scene_block.h"
 
 #include <cstring>
 

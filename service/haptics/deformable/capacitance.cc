@@ -1,4 +1,4 @@
-#include "service/haptics/deformable/build/capacitance.h"
+#include "service/haptics/deformable/capacitance.h"
 
 #include <algorithm>
 #include <cmath>

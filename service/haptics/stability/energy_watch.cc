@@ -1,14 +1,14 @@
-#include "service/haptics/energy_watch.h"
+#include "service/haptics/stability/energy_watch.h"
 
 #include <algorithm>
 
 namespace omni::haptics {
 namespace {
 
-constexpr double kLeak_J = 5e-3;  // a stable press gives less than 1 mJ, a limit cycle 100 mJ in seconds
-constexpr double kForget_s = 2;   // an old leak fades, so that small errors do not add up for hours
-constexpr double kFall_s = 0.05, kRise_s = 5;
-constexpr double kGainMin = 0.1;
+constexpr double kLeak_J = 5e-3;     // a stable press gives less than 1 mJ, a limit cycle 100 mJ in seconds
+constexpr double kLeakForget_s = 2;  // an old leak fades, so that small errors do not add up for hours
+constexpr double kLeakFall_s = 0.05, kLeakRise_s = 5;
+constexpr double kLeakGainMin = 0.1;
 
 }  // namespace
 
@@ -28,14 +28,14 @@ double WatchEnergy(const ContactTick& tick, EnergyState& state) noexcept {
   state.acting = tick.acting;
   state.has_tip = true;
   const double stored_J = state.gain * tick.stored_J;
-  state.given_J -= std::min(1.0, tick.dt_s / kForget_s) * (state.given_J + stored_J);
+  state.given_J -= std::min(1.0, tick.dt_s / kLeakForget_s) * (state.given_J + stored_J);
   if (!counts) state.given_J = -stored_J;
   const double leak_J = state.given_J + stored_J;
   if (leak_J > kLeak_J) {
-    state.gain = std::max(kGainMin, state.gain * (1 - std::min(0.5, tick.dt_s / kFall_s)));
+    state.gain = std::max(kLeakGainMin, state.gain * (1 - std::min(0.5, tick.dt_s / kLeakFall_s)));
     ++state.leaking_ticks;
   } else if (state.gain < 1 && leak_J < 0.5 * kLeak_J) {
-    state.gain = std::min(1.0, state.gain + tick.dt_s / kRise_s);
+    state.gain = std::min(1.0, state.gain + tick.dt_s / kLeakRise_s);
   }
   return state.gain;
 }

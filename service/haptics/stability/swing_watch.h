@@ -3,7 +3,7 @@
 #pragma once
 
 #include "service/base/vec.h"
-#include "service/haptics/energy_watch.h"
+#include "service/haptics/stability/energy_watch.h"
 #include "service/haptics/state.h"
 
 namespace omni::haptics {

@@ -1,4 +1,4 @@
-#include "service/haptics/stability.h"
+#include "service/haptics/stability/stability.h"
 
 #include <algorithm>
 #include <cmath>

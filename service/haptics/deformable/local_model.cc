@@ -1,4 +1,4 @@
-#include "service/haptics/deformable/build/local_model.h"
+#include "service/haptics/deformable/local_model.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "service/haptics/check_scene.h"
+#include "service/haptics/scene/check_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "service/base/vec.h"
-#include "service/haptics/check_input.h"
-#include "service/haptics/scene.h"
-#include "service/haptics/scene_block.h"
+#include "service/haptics/scene/check_input.h"
+#include "service/haptics/scene/scene.h"
+#include "service/haptics/scene/scene_block.h"
 #include "service/haptics/vehicle/wall_map.h"
 
 namespace omni::haptics {

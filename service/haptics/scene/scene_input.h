@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "service/base/vec.h"
-#include "service/haptics/material.h"
+#include "service/haptics/scene/material.h"
 
 namespace omni::haptics {
 

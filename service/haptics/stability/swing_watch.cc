@@ -1,4 +1,4 @@
-#include "service/haptics/swing_watch.h"
+#include "service/haptics/stability/swing_watch.h"
 
 #include <algorithm>
 #include <cmath>

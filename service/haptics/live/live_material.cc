@@ -1,10 +1,10 @@
-#include "service/haptics/live_material.h"
+#include "service/haptics/live/live_material.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "service/base/material.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 namespace {

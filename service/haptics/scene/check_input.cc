@@ -1,11 +1,11 @@
-#include "service/haptics/check_input.h"
+#include "service/haptics/scene/check_input.h"
 
 #include <algorithm>
 #include <cstdio>
 
 #include "service/base/material.h"
 #include "service/base/vec.h"
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 

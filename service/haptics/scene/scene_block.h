@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 

@@ -3,10 +3,10 @@
 
 #include "service/haptics/live/live_parts.h"
 
-namespace omni::haptics {
+namespace omni::haptics::sculpt {
 
 // Every sculpted object as it is now, open strokes included, with the materials it uses (without their images), in the
 // base frame. Called by the thread that edits. Empty without sculpt sessions.
 SceneInput SculptedScene(const Scene& scene, const LiveParts& live);
 
-}  // namespace omni::haptics
+}  // namespace omni::haptics::sculpt
