@@ -73,7 +73,7 @@ struct Material {
   double magnet_range_m = 0.003;
   double temperature_K = 293.15;  // carried, not rendered
   bool smooth = false;            // force shading: facets are rendered as the smooth body that they approximate
-  // Indices into the scene's textures, -1: none. Factor x texel, by SampleTexture (contact/texture.h).
+  // Indices into the scene's textures, -1: none. Factor x texel, by SampleTexture (contact/effects.h).
   std::int32_t stiffness_texture = -1;
   std::int32_t friction_texture = -1;      // of both frictions
   std::int32_t vibrotactile_texture = -1;  // of texture_amplitude_m

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <memory>
 
-#include "service/haptics/sculpt/virtual_editor.h"
+#include "service/haptics/sculpt/sculpted_scene.h"
 #include "service/loop/denormals.h"
 
 namespace omni::daemon {

@@ -10,7 +10,6 @@
 #include "service/base/tool_state.h"
 #include "service/base/vec.h"
 #include "service/haptics/scene/material.h"
-#include "service/haptics/scene/scene_limits.h"
 
 namespace omni::haptics {
 
@@ -40,7 +39,7 @@ struct ObjectPose {
   bool leaps = false;        // teleported since the last tick, not moved, however near
 };
 
-// How a scene as a whole has moved since the last tick (live/placed.h). Its poses are in its own frame then.
+// How a scene as a whole has moved since the last tick (live/scene_changes.h). Its poses are in its own frame then.
 enum class SceneMotion : std::uint8_t { kStill = 0, kMoves = 1, kLeaps = 2 };
 
 // Where a whole scene stands: x_base = R x + t.

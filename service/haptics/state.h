@@ -9,8 +9,7 @@
 #include "service/haptics/deformable/soft_contact_state.h"
 #include "service/haptics/haptics.h"
 #include "service/haptics/scene/material.h"
-#include "service/haptics/scene/scene_limits.h"
-#include "service/haptics/sculpt/sculpt_state.h"
+#include "service/haptics/sculpt/stroke.h"
 
 namespace omni::haptics {
 
@@ -103,7 +102,7 @@ struct StiffnessBoundState {
   double damping_Ns_m = 0;                      // the bound
 };
 
-// What contacts have given to the hand: stability/energy_watch.h.
+// What contacts have given to the hand: stability/contact_watch.h.
 struct EnergyState {
   bool has_tip = false;
   base::Vec3 tip;
@@ -126,7 +125,7 @@ struct SwingBandState {
   int halves = 0;  // half swings that lasted, less those that died away
 };
 
-// How the tip swings against what it touches: stability/swing_watch.h.
+// How the tip swings against what it touches: stability/contact_watch.h.
 struct SwingState {
   std::array<SwingBandState, kSwingBands> bands{};
   base::Vec3 direction;  // of the force

@@ -3,20 +3,17 @@
 #include <cstring>
 
 #include "service/base/force_limit.h"
-#include "service/haptics/contact/contact_force.h"
 #include "service/haptics/contact/contact_scene.h"
-#include "service/haptics/contact/contact_set.h"
+#include "service/haptics/contact/contacts.h"
 #include "service/haptics/contact/effects.h"
-#include "service/haptics/contact/sculpt_touch.h"
 #include "service/haptics/extrude/extrude.h"
 #include "service/haptics/geometry/query.h"
 #include "service/haptics/geometry/topology.h"
 #include "service/haptics/haptics.h"
-#include "service/haptics/live/live_material.h"
+#include "service/haptics/live/scene_changes.h"
 #include "service/haptics/scene/scene.h"
-#include "service/haptics/stability/energy_watch.h"
+#include "service/haptics/stability/contact_watch.h"
 #include "service/haptics/stability/stability.h"
-#include "service/haptics/stability/swing_watch.h"
 #include "service/haptics/state.h"
 #include "service/haptics/vehicle/car.h"
 

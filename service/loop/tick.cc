@@ -7,7 +7,7 @@
 #include "service/base/force_limit.h"
 #include "service/base/limits.h"
 #include "service/base/stamp.h"
-#include "service/haptics/live/placed.h"
+#include "service/haptics/live/scene_changes.h"
 
 namespace omni::loop {
 namespace {

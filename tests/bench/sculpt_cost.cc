@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/haptics/sculpt/handover.h"
 #include "service/haptics/sculpt/mesh/check_manifold.h"
+#include "service/haptics/sculpt/sculpt_query.h"
 #include "service/tools/common/statistics.h"
 #include "tests/bench/arguments.h"
 #include "tests/bench/printed_rows.h"

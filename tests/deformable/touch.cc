@@ -1,6 +1,6 @@
 // Soft bodies in the tick: a pen presses, slides on and leaves a body that deforms.
+#include "service/haptics/contact/effects.h"
 #include "service/haptics/contact/frame.h"
-#include "service/haptics/contact/softness.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene/scene.h"
 #include "service/loop/probe/alloc_probe.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "service/haptics/geometry/query_in_tree.h"
-#include "service/haptics/geometry/tree_build.h"
+#include "service/haptics/geometry/tree.h"
 
 namespace omni::haptics {
 

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "service/haptics/contact/softness.h"
+#include "service/haptics/contact/effects.h"
 #include "service/haptics/scene/scene.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/same_bits.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "service/haptics/scene/scene.h"
-#include "service/haptics/stability/energy_watch.h"
+#include "service/haptics/stability/contact_watch.h"
 #include "tests/haptics/scenario.h"
 
 namespace omni::haptics {

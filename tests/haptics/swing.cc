@@ -6,7 +6,7 @@
 #include <random>
 
 #include "service/haptics/scene/scene.h"
-#include "service/haptics/stability/swing_watch.h"
+#include "service/haptics/stability/contact_watch.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/touch/virtual_wall.h"
 

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "service/haptics/geometry/mesh_repair.h"
-#include "service/haptics/geometry/mesh_topology.h"
 #include "service/haptics/geometry/winding_number.h"
 #include "service/haptics/scene/check_scene.h"
 #include "tests/haptics/scenario.h"

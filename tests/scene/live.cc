@@ -3,7 +3,7 @@
 
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene/scene.h"
-#include "service/haptics/sculpt/virtual_editor.h"
+#include "service/haptics/sculpt/sculpted_scene.h"
 #include "service/scene/load_live.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/process/temp_folder.h"

@@ -5,7 +5,7 @@
 
 #include <stb/stb_image_write.h>
 
-#include "service/haptics/contact/texture.h"
+#include "service/haptics/contact/effects.h"
 #include "service/haptics/scene/check_scene.h"
 #include "service/haptics/scene/scene.h"
 #include "service/scene/load_scene.h"

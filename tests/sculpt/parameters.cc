@@ -1,8 +1,8 @@
 // Pressing, holding, pulling and letting go, on a real surface that is edited and published meanwhile.
 #include <gtest/gtest.h>
 
-#include "service/haptics/sculpt/handover.h"
 #include "service/haptics/sculpt/mesh/check_manifold.h"
+#include "service/haptics/sculpt/sculpt_query.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "tests/support/touch/sculpt_hand.h"
 

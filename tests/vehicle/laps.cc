@@ -1,7 +1,7 @@
 // Laps: counted once each, timed, and not earned by short cuts.
 #include <gtest/gtest.h>
 
-#include "service/haptics/vehicle/lap_timer.h"
+#include "service/haptics/vehicle/car_motion.h"
 #include "tests/vehicle/scene.h"
 
 namespace omni::haptics {

@@ -3,8 +3,7 @@
 
 #include "service/base/force_limit.h"
 #include "service/haptics/scene/scene.h"
-#include "service/haptics/vehicle/hit_pulse.h"
-#include "service/haptics/vehicle/road_force.h"
+#include "service/haptics/vehicle/car_force.h"
 #include "tests/vehicle/scene.h"
 
 namespace omni::haptics {

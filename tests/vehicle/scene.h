@@ -3,7 +3,7 @@
 
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/vehicle/car.h"
-#include "service/haptics/vehicle/car_dynamics.h"
+#include "service/haptics/vehicle/car_motion.h"
 #include "tests/haptics/scenario.h"
 
 namespace omni::haptics {

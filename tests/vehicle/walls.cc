@@ -6,7 +6,7 @@
 
 #include "service/base/force_limit.h"
 #include "service/haptics/scene/scene.h"
-#include "service/haptics/vehicle/hit_pulse.h"
+#include "service/haptics/vehicle/car_force.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "tests/vehicle/scene.h"
 

@@ -3,8 +3,7 @@
 #include "service/base/limits.h"
 #include "service/base/stamp.h"
 #include "service/base/vec.h"
-#include "service/haptics/stability/energy_watch.h"
-#include "service/haptics/stability/swing_watch.h"
+#include "service/haptics/stability/contact_watch.h"
 
 namespace omni::haptics {
 

@@ -1,12 +1,9 @@
-#include "service/haptics/contact/contact_force.h"
+#include "service/haptics/contact/contacts.h"
 
 #include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/contact/effects.h"
-#include "service/haptics/contact/friction.h"
 #include "service/haptics/contact/shading.h"
 #include "service/haptics/contact/soft_touch.h"
-#include "service/haptics/contact/softness.h"
-#include "service/haptics/contact/texture.h"
 #include "service/haptics/geometry/topology.h"
 #include "service/haptics/scene/scene.h"
 

@@ -1,7 +1,6 @@
-#include "service/haptics/contact/contact_set.h"
-
-#include "service/haptics/contact/ball/ball_touch.h"
 #include "service/haptics/contact/contact_slots.h"
+#include "service/haptics/contact/contacts.h"
+#include "service/haptics/contact/proxy.h"
 #include "service/haptics/geometry/query.h"
 #include "service/haptics/scene/scene.h"
 
@@ -266,5 +265,8 @@ void UpdateContacts(const ContactScene& contact_scene, double dt_s, State& state
   }
   SweepMovedRegions(contact_scene, state);
 }
+
+template ProxyPoint Descend(const Surface&, std::uint32_t, const Vec3&) noexcept;
+template ProxyVerdict Judge(const Surface&, const ProxyPoint&, const Vec3&, double) noexcept;
 
 }  // namespace omni::haptics

@@ -1,8 +1,8 @@
-#include "service/haptics/contact/sculpt_touch.h"
+#include "service/haptics/contact/contacts.h"
 
 #include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/scene/scene.h"
-#include "service/haptics/sculpt/handover.h"
+#include "service/haptics/sculpt/sculpt_query.h"
 #include "service/haptics/stability/stability.h"
 
 namespace omni::haptics {

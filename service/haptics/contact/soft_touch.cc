@@ -1,6 +1,6 @@
 #include "service/haptics/contact/soft_touch.h"
 
-#include "service/haptics/contact/softness.h"
+#include "service/haptics/contact/effects.h"
 #include "service/haptics/geometry/topology.h"
 
 namespace omni::haptics {

@@ -10,7 +10,7 @@
 
 #include "service/base/result.h"
 #include "service/base/vec.h"
-#include "service/haptics/deformable/soft_place.h"
+#include "service/haptics/deformable/soft_contact_state.h"
 
 namespace omni::haptics {
 
@@ -120,5 +120,10 @@ std::vector<std::byte> LayOutSoftBody(const SoftParts& parts);
 
 // FNV-1a over 64-bit words, continuing from `hash`.
 std::uint64_t SoftHash(std::span<const std::byte> bytes, std::uint64_t hash = 0xCBF29CE484222325);
+
+// The place on the coarse surface that is nearest to a point, from a hint or from the seed grid. Runs in the tick:
+// local descent over the coarse triangles, at most 32 moves. `hint`: a triangle near by, or kNoSoftTriangle. A point
+// that is not finite gives triangle 0.
+SoftPlace LocateOnSoftBody(const SoftBodyView& body, const Vec3& point_base_m, std::uint32_t hint) noexcept;
 
 }  // namespace omni::haptics

@@ -10,10 +10,9 @@
 
 #include <span>
 
-#include "service/haptics/deformable/ball_compliance.h"
+#include "service/haptics/deformable/local_model.h"
 #include "service/haptics/deformable/soft_body.h"
 #include "service/haptics/deformable/soft_contact_state.h"
-#include "service/haptics/deformable/soft_locate.h"
 
 namespace omni::haptics {
 

@@ -1,15 +1,23 @@
-// What the tick remembers of a soft body that is touched: soft_contact.h.
+// A place on a soft body, and what the tick remembers of one that is touched: soft_contact.h.
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <type_traits>
 
 #include "service/base/vec.h"
 #include "service/haptics/deformable/capacitance.h"
 #include "service/haptics/deformable/local_model.h"
-#include "service/haptics/deformable/soft_place.h"
 
 namespace omni::haptics {
+
+inline constexpr std::uint32_t kNoSoftTriangle = 0xFFFFFFFF;
+
+// A place on the coarse surface of a soft body.
+struct SoftPlace {
+  std::uint32_t triangle = kNoSoftTriangle;
+  double weights[3]{};  // barycentric, >= 0, sum 1
+};
 
 // Of one ball; slot k belongs to contact k for as long as it touches.
 struct SoftSlot {

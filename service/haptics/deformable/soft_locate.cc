@@ -1,4 +1,4 @@
-#include "service/haptics/deformable/soft_locate.h"
+#include "service/haptics/deformable/soft_body.h"
 
 #include "service/haptics/geometry/triangle_math.h"
 

@@ -1,4 +1,4 @@
-#include "service/haptics/extrude/find_faces.h"
+#include "service/haptics/extrude/extrude.h"
 
 #include <algorithm>
 

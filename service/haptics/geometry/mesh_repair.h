@@ -1,4 +1,6 @@
-// First repair step: one vertex per place, only triangles with area, none twice.
+// Makes a mesh fit for the tick, in two steps. RepairMesh: one vertex per place, only triangles with area, none twice.
+// ConnectAndOrient (mesh_topology.cc): finds neighbours, closes cracks and small holes, orients each component
+// consistently and outwards. docs/theory/haptics.md (R.1) to (R.6). Set-up only.
 #pragma once
 
 #include "service/haptics/geometry/mesh.h"
@@ -17,5 +19,22 @@ inline constexpr double kWeldRelative = 1e-7;  // of the object's largest extent
 
 // Precondition: indices and materials of `input` are in range. Triangles at non-finite vertices are dropped.
 Mesh RepairMesh(const InputObject& input, RepairCounts& counts);
+
+struct TopologyReport {
+  std::uint32_t components = 0;
+  std::uint32_t border_edges = 0;        // used by one triangle
+  std::uint32_t non_manifold_edges = 0;  // used by three or more
+  std::uint32_t cut_edges = 0;           // no consistent orientation exists across them (Moebius strip)
+  std::uint32_t snapped = 0;             // edges split at a vertex that lay on them (T-junctions)
+  std::uint32_t closed_holes = 0;        // small ones, of components that are closed by it
+  std::uint32_t flipped_triangles = 0;   // to agree with the rest of their component
+  std::uint32_t flipped_components = 0;  // inside-out as a whole
+  std::uint32_t cavities = 0;            // closed, inwards, inside another component: left so
+  bool Closed() const { return border_edges == 0 && non_manifold_edges == 0 && cut_edges == 0; }
+};
+
+// Fills mesh.neighbours and mesh.component, reorders corners where a triangle has to be turned, adds triangles at
+// cracks and small holes.
+TopologyReport ConnectAndOrient(Mesh& mesh);
 
 }  // namespace omni::haptics

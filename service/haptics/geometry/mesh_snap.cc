@@ -1,4 +1,4 @@
-#include "service/haptics/geometry/mesh_snap.h"
+#include "service/haptics/geometry/mesh_steps.h"
 
 #include <algorithm>
 

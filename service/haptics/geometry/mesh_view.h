@@ -6,7 +6,7 @@
 #include <concepts>
 #include <cstdint>
 
-#include "service/haptics/geometry/tree_node.h"
+#include "service/haptics/geometry/tree.h"
 #include "service/haptics/geometry/triangle_math.h"
 
 namespace omni::haptics {

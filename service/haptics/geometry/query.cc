@@ -1,6 +1,7 @@
 #include "service/haptics/geometry/query.h"
 
 #include "service/haptics/geometry/query_in_tree.h"
+#include "service/haptics/geometry/topology.h"
 
 namespace omni::haptics {
 
@@ -19,5 +20,8 @@ double BoxDistance(const Object& object, const Vec3& p) noexcept {
                      outside(object.lower_base_m[1], object.upper_base_m[1], p.y),
                      outside(object.lower_base_m[2], object.upper_base_m[2], p.z)});
 }
+
+template Vec3 Pseudonormal(const Surface&, std::uint32_t, Feature, int) noexcept;
+template bool OnBorder(const Surface&, std::uint32_t, Feature, int) noexcept;
 
 }  // namespace omni::haptics

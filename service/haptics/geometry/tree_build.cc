@@ -1,4 +1,4 @@
-#include "service/haptics/geometry/tree_build.h"
+#include "service/haptics/geometry/tree.h"
 
 #include <emmintrin.h>
 

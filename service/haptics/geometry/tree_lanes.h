@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "service/base/vec.h"
-#include "service/haptics/geometry/tree_node.h"
+#include "service/haptics/geometry/tree.h"
 
 namespace omni::haptics {
 

@@ -3,15 +3,14 @@
 #include <chrono>
 #include <string_view>
 
-#include "service/haptics/extrude/find_faces.h"
+#include "service/haptics/extrude/extrude.h"
 #include "service/haptics/geometry/mesh_repair.h"
-#include "service/haptics/geometry/mesh_topology.h"
-#include "service/haptics/geometry/tree_build.h"
-#include "service/haptics/scene/check_input.h"
+#include "service/haptics/geometry/tree.h"
+#include "service/haptics/scene/check_scene.h"
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/scene/scene_block.h"
 #include "service/haptics/vehicle/joystick.h"
-#include "service/haptics/vehicle/wall_build.h"
+#include "service/haptics/vehicle/wall_map.h"
 
 namespace omni::haptics {
 namespace {

@@ -1,4 +1,4 @@
-#include "service/haptics/scene/check_input.h"
+#include "service/haptics/scene/check_scene.h"
 
 #include <algorithm>
 #include <cstdio>

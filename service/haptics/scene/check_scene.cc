@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "service/base/vec.h"
-#include "service/haptics/scene/check_input.h"
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/scene/scene_block.h"
 #include "service/haptics/vehicle/wall_map.h"

@@ -1,4 +1,4 @@
-// Haptic material as the renderer names it: service/base/material.h.
+// Haptic material as the renderer names it (service/base/material.h), and how large a scene may be.
 #pragma once
 
 #include <cstdint>
@@ -22,5 +22,13 @@ struct MaterialChange {
   MaterialParameters parameters;
 };
 inline constexpr std::uint32_t kMaxLiveMaterials = 16;  // that differ from the scene's at a time
+
+inline constexpr std::uint32_t kMaxObjects = 64;  // more: BuildScene fails, with the number
+inline constexpr std::uint32_t kMaxRegions = 16;  // extrude regions; further ones stay rigid, with a report line
+inline constexpr std::uint32_t kMaxSculpted = 4;  // sculpted objects; further ones stay rigid, with a report line
+inline constexpr std::uint32_t kMaxTriangles = 4'000'000;  // in a whole scene
+inline constexpr std::uint32_t kMaxTextures = 64;
+inline constexpr std::uint32_t kMaxTexels = 64u << 20;  // of all images together
+inline constexpr std::uint32_t kNoIndex = 0xFFFFFFFF;
 
 }  // namespace omni::haptics

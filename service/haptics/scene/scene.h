@@ -13,10 +13,9 @@
 #include "service/base/big_block.h"
 #include "service/base/result.h"
 #include "service/base/vec.h"
-#include "service/haptics/geometry/tree_node.h"
+#include "service/haptics/geometry/tree.h"
 #include "service/haptics/scene/material.h"
 #include "service/haptics/scene/scene_input.h"
-#include "service/haptics/scene/scene_limits.h"
 
 namespace omni::haptics {
 

@@ -55,7 +55,15 @@ class SculptPublisher {
     return pinned != nullptr ? std::min(in_tick, pinned->generation) : in_tick;
   }
   // A table without readers, to be filled; null: a reader is kMaxTables generations behind.
-  SculptTable* Spare();
+  SculptTable* Spare() {
+    const SculptTable* newest = current_.load(std::memory_order_relaxed);
+    for (const std::unique_ptr<SculptTable>& table : tables_) {
+      if (table.get() != newest && table->generation < OldestInUse()) return table.get();
+    }
+    if (tables_.size() == kMaxTables) return nullptr;
+    tables_.push_back(std::make_unique<SculptTable>());
+    return tables_.back().get();
+  }
   // Makes it the newest generation; visible to the next Acquire.
   void Publish(SculptTable* table) noexcept {
     table->generation = ++generation_;

@@ -1,7 +1,7 @@
 #include "service/haptics/sculpt/sculpt_editor.h"
 
-#include "service/haptics/sculpt/mesh/deform.h"
 #include "service/haptics/sculpt/mesh/mesh_ops.h"
+#include "service/haptics/sculpt/mesh/region.h"
 #include "service/haptics/sculpt/sculpt_query.h"
 
 namespace omni::haptics::sculpt {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "service/haptics/geometry/mesh_view.h"
-#include "service/haptics/sculpt/mesh/top_tree.h"
+#include "service/haptics/sculpt/mesh/trees.h"
 
 namespace omni::haptics::sculpt {
 

@@ -3,7 +3,6 @@
 // to the surface can kick the pen. docs/theory/sculpting.md, section 5.
 #pragma once
 
-#include "service/haptics/sculpt/sculpt_state.h"
 #include "service/haptics/sculpt/stroke.h"
 
 namespace omni::haptics::sculpt {

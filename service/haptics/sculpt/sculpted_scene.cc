@@ -1,4 +1,5 @@
 #include "service/haptics/sculpt/sculpted_scene.h"
+
 #include "service/haptics/scene/scene.h"
 
 namespace omni::haptics::sculpt {

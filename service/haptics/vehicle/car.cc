@@ -2,10 +2,8 @@
 
 #include "service/base/force_limit.h"
 #include "service/haptics/scene/scene.h"
-#include "service/haptics/vehicle/car_dynamics.h"
-#include "service/haptics/vehicle/hit_pulse.h"
-#include "service/haptics/vehicle/lap_timer.h"
-#include "service/haptics/vehicle/road_force.h"
+#include "service/haptics/vehicle/car_force.h"
+#include "service/haptics/vehicle/car_motion.h"
 
 namespace omni::haptics {
 namespace {

@@ -1,4 +1,4 @@
-#include "service/haptics/vehicle/car_dynamics.h"
+#include "service/haptics/vehicle/car_motion.h"
 
 #include <numbers>
 

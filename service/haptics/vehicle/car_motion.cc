@@ -1,7 +1,5 @@
 #include "service/haptics/vehicle/car_motion.h"
 
-#include "service/haptics/vehicle/car_dynamics.h"
-
 namespace omni::haptics {
 namespace {
 

@@ -1,4 +1,4 @@
-#include "service/haptics/vehicle/lap_timer.h"
+#include "service/haptics/vehicle/car_motion.h"
 
 namespace omni::haptics {
 namespace {

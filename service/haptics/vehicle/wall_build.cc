@@ -1,12 +1,11 @@
-#include "service/haptics/vehicle/wall_build.h"
+#include "service/haptics/vehicle/wall_map.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "service/haptics/scene/check_input.h"
+#include "service/haptics/scene/check_scene.h"
 #include "service/haptics/scene/scene.h"
-#include "service/haptics/vehicle/wall_map.h"
 
 namespace omni::haptics {
 namespace {

@@ -8,7 +8,7 @@ namespace {
 
 // Motions that approach by less than this share of their length slide along: rounding must not stop them.
 constexpr double kGrazing = 1e-9;
-constexpr double kTouching = 1 - 1e-9;  // of the squared radius: nearer is an overlap, not a touch
+constexpr double kOverlapping = 1 - 1e-9;  // of the squared radius: nearer is an overlap, not a touch
 
 double Cross2(const Vec3& a, const Vec3& b) noexcept { return a.x * b.y - a.y * b.x; }
 
@@ -120,7 +120,7 @@ WallTouch FirstTouch(const WallMap& walls, const Vec3& p, const Vec3& motion, do
   const auto accept = [&](const WallNode& n) { return Reaches(n, at, d, margin_m, touch.share); };
   Search(walls, accept, [&](const WallSegment& s) {
     const double away_squared = SquaredNorm(at - NearestOn(s, at));
-    if (away_squared < kTouching * radius_m * radius_m) touch.overlaps = true;
+    if (away_squared < kOverlapping * radius_m * radius_m) touch.overlaps = true;
     double t = 0;
     if (away_squared > radius_m * radius_m) {
       const auto entry = EnterCapsule(s, radius_m, at, d);

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <vector>
 
 #include "service/base/vec.h"
 #include "service/haptics/scene/scene.h"
+#include "service/haptics/scene/scene_block.h"
 
 namespace omni::haptics {
 
@@ -42,5 +45,14 @@ struct WallTouch {
 // its centre nearer to a wall than the radius. A wall it overlaps already touches at once, if the motion goes deeper;
 // it may always leave. Walls have no front: a disc is kept on the side its centre is on.
 WallTouch FirstTouch(const WallMap& walls, const Vec3& p, const Vec3& motion, double radius_m) noexcept;
+
+// Cuts the objects marked as car walls with the plane the car drives on, once, when a scene is built (wall_build.cc).
+// Fills parts.wall_segments and parts.wall_nodes. A corner is below the plane or not, and edges between the two kinds
+// are cut, so closed meshes give closed outlines; ground below the plane is not cut. Extruded walls count as at rest.
+void BuildWalls(SceneParts& parts);
+
+// A car that starts inside a wall could never move, one without walls never hits, a checkpoint inside a wall cannot be
+// passed: one line each, for people.
+std::vector<std::string> ExplainWalls(const Scene& scene);
 
 }  // namespace omni::haptics

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "service/haptics/vehicle/car_dynamics.h"
+#include "service/haptics/vehicle/car_motion.h"
 #include "service/haptics/vehicle/joystick.h"
 
 namespace omni::tools {

@@ -1,5 +1,5 @@
 // Our rows: the contact update as haptics::Step makes it, the whole Step, the nearest point.
-#include "service/haptics/contact/contact_set.h"
+#include "service/haptics/contact/contacts.h"
 #include "service/haptics/geometry/query.h"
 #include "service/haptics/scene/scene.h"
 #include "tests/bench/collision/engine.h"

@@ -1,4 +1,4 @@
-// Source of the constants of service/haptics/deformable/soft_gain.h: least squares against a neo-Hookean half-space.
+// Source of the constants of service/haptics/deformable/local_model.h: least squares against a neo-Hookean half-space.
 #pragma once
 
 #include <array>

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "service/haptics/deformable/build/fem.h"
-#include "service/haptics/deformable/build/patch_load.h"
 #include "tests/bench/deformable/rows.h"
 
 namespace omni::bench {

@@ -1,7 +1,7 @@
 // Accuracy of the references.
 #include <string>
 
-#include "service/haptics/deformable/soft_gain.h"
+#include "service/haptics/deformable/local_model.h"
 #include "tests/bench/deformable/gain_fit.h"
 #include "tests/bench/deformable/off_axis.h"
 #include "tests/bench/deformable/rows.h"

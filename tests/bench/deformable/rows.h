@@ -23,7 +23,7 @@ inline constexpr std::uint32_t kStudyTets[] = {600, 4000};
 
 // Force of `omni` against the neo-Hookean references, on and off the axis, at both moduli; also by Hertz's law alone.
 void AddAccuracy(const Settings& settings, Rows& rows);
-// The references against finer meshes, against each other, and the gain of soft_gain.h against a fresh fit.
+// The references against finer meshes, against each other, and the gain of local_model.h against a fresh fit.
 void AddReferenceTables(const Settings& settings, Rows& rows);
 // A tick with 1, 4 and 16 balls, by tetrahedra; time and memory to prepare.
 void AddTiming(const Settings& settings, Rows& rows);

@@ -12,7 +12,7 @@
 #include "service/config/files/twin_file.h"
 #include "service/haptics/live/surface_frame.h"
 #include "service/haptics/scene/scene.h"
-#include "service/haptics/sculpt/virtual_editor.h"
+#include "service/haptics/sculpt/sculpted_scene.h"
 #include "service/sim/fields/random.h"
 #include "service/tools/hand/hand_task.h"
 #include "tests/support/touch/scenario.h"

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "service/haptics/geometry/mesh_repair.h"
-#include "service/haptics/geometry/mesh_topology.h"
 #include "service/haptics/sculpt/sculpt_editor.h"
 #include "tests/haptics/scenario.h"
 

@@ -1,6 +1,7 @@
-#include "service/haptics/contact/ball/ball_touch.h"
-
+#include "service/haptics/contact/ball/ball_in_tree.h"
+#include "service/haptics/contact/ball/ball_proxy.h"
 #include "service/haptics/contact/contact_slots.h"
+#include "service/haptics/contact/contacts.h"
 #include "service/haptics/geometry/topology.h"
 #include "service/haptics/scene/scene.h"
 
@@ -177,5 +178,10 @@ void UpdateBalls(const ContactScene& contact_scene, double dt_s, State& state) n
     contact_scene.On(i, [&](const auto& view) noexcept { UpdateBall(view, target, contact_scene, dt_s, state); });
   }
 }
+
+template BallState StartBall(const Surface&, std::uint32_t, bool, double, const Vec3&) noexcept;
+template BallContact FollowBall(const Surface&, std::uint32_t, double, const Vec3&, BallState&) noexcept;
+template BallState StartBall(const sculpt::SculptSurface&, std::uint32_t, bool, double, const Vec3&) noexcept;
+template BallContact FollowBall(const sculpt::SculptSurface&, std::uint32_t, double, const Vec3&, BallState&) noexcept;
 
 }  // namespace omni::haptics

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "service/haptics/deformable/build/fem.h"
-#include "service/haptics/deformable/build/patch_load.h"
 #include "service/haptics/deformable/build/soft_grid.h"
 
 namespace omni::haptics {

@@ -4,7 +4,6 @@
 #include <Eigen/SparseCore>
 #include <unordered_map>
 
-#include "service/haptics/deformable/build/dissection.h"
 #include "service/haptics/deformable/build/ldlt.h"
 
 namespace omni::haptics {

@@ -3,8 +3,6 @@
 #include <string>
 #include <unordered_map>
 
-#include "service/haptics/deformable/build/lattice_cut.h"
-#include "service/haptics/deformable/build/lattice_edges.h"
 #include "service/haptics/geometry/winding_number.h"
 
 namespace omni::haptics {

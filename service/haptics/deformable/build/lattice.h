@@ -45,4 +45,21 @@ TetLattice StuffLattice(std::span<const Vec3> vertices_base_m, std::span<const s
 
 double TetVolume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
+using TetCorners = std::array<std::uint32_t, 4>;
+
+// Cuts one tetrahedron of the lattice by the surface. Pieces are split by vertex number, so that neighbours agree on
+// the diagonals of what they share [Dompierre et al. 1999]. Appends the inside part of `tet` to `pieces` (orientation
+// left open). `side[k]`: +1 inside, 0 on the surface, -1 outside; `cut(inside, outside)` gives the vertex where that
+// edge is cut.
+void CutTet(const TetCorners& tet, const std::array<int, 4>& side,
+            const std::function<std::uint32_t(std::uint32_t, std::uint32_t)>& cut, std::vector<TetCorners>& pieces);
+
+// Keeps a mesh's sharp edges in the lattice that was cut from it. A cut grid rounds them by up to half a cell, and a
+// body that lacks its rim is too soft beside it.
+// Moves corners of the lattice's surface onto sharp edges nearby (faces more than 30 degrees apart), the nearest first,
+// where no tetrahedron becomes worse than a sliver. They stay on the mesh. Edges without exactly two triangles are
+// ignored.
+void KeepSharpEdges(std::span<const Vec3> vertices_base_m, std::span<const std::array<std::uint32_t, 3>> triangles,
+                    TetLattice& lattice);
+
 }  // namespace omni::haptics

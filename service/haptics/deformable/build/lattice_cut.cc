@@ -1,4 +1,4 @@
-#include "service/haptics/deformable/build/lattice_cut.h"
+#include "service/haptics/deformable/build/lattice.h"
 
 #include <algorithm>
 

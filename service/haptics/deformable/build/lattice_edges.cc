@@ -1,4 +1,4 @@
-#include "service/haptics/deformable/build/lattice_edges.h"
+#include "service/haptics/deformable/build/lattice.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-// L D L^T of a sparse symmetric positive definite matrix in the order it is given; can be stopped while it runs, which
-// takes seconds for some thousand nodes. Set-up only.
+// L D L^T of a sparse symmetric positive definite matrix, and an order of elimination that keeps it small. It can be
+// stopped while it runs, which takes seconds for some thousand nodes. Set-up only.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,15 @@
 #include <span>
 #include <vector>
 
+#include "service/base/vec.h"
+
 namespace omni::haptics {
+
+using base::Vec3;
+
+// Order in which to eliminate `nodes`: nested dissection by coordinates [George 1973]. `neighbours[n]` of every node n.
+std::vector<std::uint32_t> DissectionOrder(const std::vector<Vec3>& position, std::vector<std::uint32_t> nodes,
+                                           const std::vector<std::vector<std::uint32_t>>& neighbours);
 
 // The upper triangle with its diagonal, by columns: entries first[j] ... first[j + 1] - 1 are in column j.
 struct UpperColumns {

@@ -1,4 +1,4 @@
-#include "service/haptics/deformable/build/patch_load.h"
+#include "service/haptics/deformable/build/fem.h"
 
 #include <Eigen/Core>
 #include <Eigen/LU>

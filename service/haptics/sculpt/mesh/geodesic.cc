@@ -5,7 +5,6 @@
 #include <queue>
 
 #include "service/haptics/geometry/topology.h"
-#include "service/haptics/sculpt/mesh/index_map.h"
 
 namespace omni::haptics::sculpt {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "service/haptics/geometry/tree_node.h"
+#include "service/haptics/geometry/tree.h"
 #include "service/haptics/geometry/triangle_math.h"
 #include "service/haptics/scene/scene.h"
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "service/haptics/sculpt/mesh/page_tree.h"
 #include "service/haptics/sculpt/mesh/paged_mesh.h"
+#include "service/haptics/sculpt/mesh/trees.h"
 
 namespace omni::haptics::sculpt {
 namespace {

@@ -1,4 +1,4 @@
-#include "service/haptics/sculpt/mesh/page_tree.h"
+#include "service/haptics/sculpt/mesh/trees.h"
 
 #include <algorithm>
 #include <bit>

@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "service/haptics/sculpt/mesh/page_tree.h"
+#include "service/haptics/sculpt/mesh/trees.h"
 
 namespace omni::haptics::sculpt {
 namespace {

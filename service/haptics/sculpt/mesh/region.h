@@ -1,11 +1,33 @@
-// The vertices a stroke moves, and how far each goes per metre of offset. docs/theory/sculpting.md, section 3.
+// The vertices a stroke moves, how far each goes per metre of offset, and moving them: never through a triangle of
+// their own fan. docs/theory/sculpting.md, section 3.
 #pragma once
 
-#include "service/haptics/sculpt/brush.h"
+#include "service/haptics/geometry/triangle_math.h"
 #include "service/haptics/sculpt/mesh/geodesic.h"
-#include "service/haptics/sculpt/mesh/index_map.h"
+#include "service/haptics/sculpt/stroke.h"
 
 namespace omni::haptics::sculpt {
+
+// What a triangle must keep: area, and the side it faces.
+inline constexpr double kLeastShape = 1e-3;  // 2 area / longest edge^2; worse triangles are not made   (4.1)
+
+inline double LongestSquared(const Corners& c) noexcept {
+  return std::max({SquaredNorm(c[1] - c[0]), SquaredNorm(c[2] - c[1]), SquaredNorm(c[0] - c[2])});
+}
+
+// 2 area / longest edge^2: 0.87 equilateral, 0 without area. Not a number for a triangle that is a point.
+inline double ShapeOf(const Corners& c) noexcept { return Norm(AreaVector(c)) / LongestSquared(c); }
+
+// May `before` become `after`? It must keep facing the same way (cosine over `least_cosine` >= 0) and not become a
+// needle, unless it was a worse one.
+inline bool MayBecome(const Corners& before, const Corners& after, double least_cosine) noexcept {
+  const Vec3 old_area = AreaVector(before), new_area = AreaVector(after);
+  const double along = Dot(old_area, new_area);
+  const double old2 = SquaredNorm(old_area), new2 = SquaredNorm(new_area);
+  if (!(along > 0 && along * along > least_cosine * least_cosine * old2 * new2)) return false;
+  const double longest2 = LongestSquared(after);
+  return new2 >= kLeastShape * kLeastShape * longest2 * longest2 || ShapeOf(after) >= ShapeOf(before);
+}
 
 inline constexpr std::size_t kMaxRegionVertices = 65536;
 
@@ -58,5 +80,13 @@ struct Weighted {
 // Weights of the vertices around a point. Empty: the radius holds no vertex, or more than
 // kMaxRegionVertices.
 Weighted WeighBall(const PagedMesh& mesh, const SurfacePoint& at, const Brush& brush);
+
+// Longest step (m of offset) in which no edge at the region's triangles changes by more than a quarter of itself, so
+// that Displace can judge each triangle before and after.   (3.4)
+double LongestStep(const PagedMesh& mesh, const Region& region, const Patch& patch);
+
+// p += offset_m * move. Vertices at which a triangle would lose its area or turn over stay where they are. Returns the
+// number of those.
+std::size_t Displace(PagedMesh& mesh, const Region& region, const Patch& patch, double offset_m);
 
 }  // namespace omni::haptics::sculpt

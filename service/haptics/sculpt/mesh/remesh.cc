@@ -2,7 +2,7 @@
 
 #include "service/haptics/geometry/topology.h"
 #include "service/haptics/sculpt/mesh/mesh_ops.h"
-#include "service/haptics/sculpt/mesh/shape.h"
+#include "service/haptics/sculpt/mesh/region.h"
 
 namespace omni::haptics::sculpt {
 namespace {

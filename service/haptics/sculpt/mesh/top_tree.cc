@@ -1,4 +1,4 @@
-#include "service/haptics/sculpt/mesh/top_tree.h"
+#include "service/haptics/sculpt/mesh/trees.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,8 +1,10 @@
-// Force pulses of hits: half sines, stronger for faster hits, together never more than the device can do.
+// Forces of the car on the pen. Pulses of hits: half sines, stronger for faster hits, together never more than the
+// device can do. The hum of the engine and the ripple of the road: straight up and down, so that they do not steer.
 // docs/theory/haptics.md, section 8.
 #pragma once
 
 #include "service/base/actuation_types.h"
+#include "service/haptics/scene/scene_input.h"
 #include "service/haptics/state.h"
 #include "service/haptics/vehicle/car_motion.h"
 
@@ -32,5 +34,11 @@ struct PulseForce {
 
 // All running pulses; advances their clocks.
 PulseForce AdvancePulses(const VehicleInput& car, const PulseLimits& limits, double dt_s, VehicleState& state) noexcept;
+
+inline constexpr double kRoadForceMax_N = 0.1;
+inline constexpr double kRoadForceMax_Hz = 150;
+
+// Force along +z, at most 0.1 N, nothing over 150 Hz, none at rest; advances the phases.
+double RoadForce_N(const VehicleInput& car, double dt_s, VehicleState& state) noexcept;
 
 }  // namespace omni::haptics

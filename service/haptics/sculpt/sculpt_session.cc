@@ -1,4 +1,4 @@
-#include "service/haptics/sculpt/stroke_server.h"
+#include "service/haptics/sculpt/sculpt_session.h"
 
 namespace omni::haptics::sculpt {
 

@@ -1,8 +1,9 @@
-// Boxes of a node, one at a time; rounded outwards, so that a box test never loses what is inside.
+// The trees of a sculpted mesh: one per page and one over the pages, and the float boxes they are made of.
 #pragma once
 
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "service/haptics/sculpt/mesh/page.h"
 
@@ -63,5 +64,47 @@ inline FloatBox UnionOf(const TreeNode& boxes) noexcept {
   }
   return all;
 }
+
+// The tree of one page (page_tree.cc), made on the editor's side before the page is published.
+
+// Fills tree of pages[page] from the page's triangles, whose corners may lie in other pages. `keep_order`: only
+// positions have changed since the last call, so the grouping stays and the boxes are refitted.
+void BuildPageTree(const Page* const* pages, std::uint32_t page, bool keep_order, PageTree& tree) noexcept;
+
+inline FloatBox BoxOf(const PageTree& tree) noexcept { return UnionOf(tree.top); }
+
+// The tree over the pages (top_tree.cc). The editor keeps it up to date along the paths of the pages it changed; a copy
+// of its nodes goes out with every published table.
+inline constexpr int kMaxTopDepth = 16;            // levels of nodes, kept by TopTree
+static_assert(kMaxTopDepth + 2 <= kMaxTreeDepth);  // with those of a page: stacks in the tick are fixed
+
+class TopTree {
+ public:
+  // One box per page; empty boxes are allowed. Node 0 is the root.
+  void Build(const std::vector<FloatBox>& page_boxes);
+  // The page's box has changed: fits the boxes above it.
+  void SetPageBox(std::uint32_t page, const FloatBox& box);
+  // A new page (index = pages so far) beside `near_page`.
+  void Insert(std::uint32_t near_page, const FloatBox& box);
+
+  const std::vector<TreeNode>& nodes() const noexcept { return nodes_; }
+  std::size_t pages() const noexcept { return place_.size(); }
+  FloatBox bounds() const noexcept { return UnionOf(nodes_[0]); }
+
+ private:
+  struct Place {
+    std::uint32_t node, slot;
+  };
+  std::uint32_t NewNode(Place parent);
+  void Fill(std::uint32_t node, std::uint32_t* begin, std::uint32_t* end, int depth);
+  std::vector<std::uint32_t*> SplitInEight(std::uint32_t* begin, std::uint32_t* end) const;
+  void Put(Place place, std::uint32_t child, const FloatBox& box);
+  int DepthOf(std::uint32_t node) const;
+
+  std::vector<TreeNode> nodes_;
+  std::vector<Place> parent_;       // per node; the root's node is kNoIndex
+  std::vector<Place> place_;        // per page
+  std::vector<FloatBox> page_box_;  // per page
+};
 
 }  // namespace omni::haptics::sculpt

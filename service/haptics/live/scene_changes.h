@@ -1,5 +1,5 @@
-// A scene that stands somewhere else, and moves as one body: rendered in its own frame, as if the pen moved the other
-// way. docs/theory/haptics.md, section 15.
+// What an application changes in a scene while it is in use: where it stands, and its materials.
+// docs/theory/haptics.md, section 15.
 #pragma once
 
 #include "service/haptics/haptics.h"
@@ -15,5 +15,11 @@ inline constexpr double kFurthestBase_m = 100;
 // origin, and since then, this is Step, bit by bit.
 void StepPlaced(const Config& config, const Scene& scene, const Placement& placement, bool leaps, const Input& input,
                 State& state, Output& output) noexcept;
+
+inline constexpr double kMaterialGlide_s = 0.030;  // time constant of a change under a touching pen
+
+// Takes `input.materials` into `state`: at once while nothing is touched, else gliding, so that the force is
+// continuous. A material that is no longer named reverts to the scene's. True: one of them is still changing.
+bool ChangeMaterials(const Scene& scene, const Input& input, bool touching, State& state) noexcept;
 
 }  // namespace omni::haptics

@@ -1,0 +1,61 @@
+// The steps of ConnectAndOrient (mesh_repair.h): edges, cracks, small holes, orientation. Set-up only.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "service/haptics/geometry/mesh.h"
+
+namespace omni::haptics {
+
+// Edges of a mesh in a sorted list: pairs of neighbours, borders, and whether two vertices share an edge.
+struct HalfEdge {
+  std::uint64_t key;  // smaller vertex, larger vertex
+  std::uint32_t triangle;
+  std::uint32_t edge;
+};
+
+inline std::uint64_t EdgeKey(std::uint32_t a, std::uint32_t b) {
+  return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
+}
+
+struct EdgeList {
+  std::vector<HalfEdge> edges;     // sorted by key, then triangle
+  std::vector<HalfEdge> borders;   // used by one triangle
+  std::uint32_t non_manifold = 0;  // edges of three and more triangles
+
+  bool Has(std::uint32_t a, std::uint32_t b) const;
+};
+
+// Lists the edges and fills mesh.neighbours: edges of one or of three and more triangles stay without neighbour.
+EdgeList ConnectEdges(Mesh& mesh);
+
+// T-junctions: a vertex of one triangle on the edge of another leaves a crack without width, across which the two are
+// not neighbours. The edge is split at the vertex (mesh_snap.cc)   (R.2).
+inline constexpr double kSnapRelative = 1e-6;  // distance of vertex and edge, of the mesh's largest extent
+
+// Splits each border edge at the border vertices on it; one edge of a triangle at a time, so call it again until it
+// gives 0. Neighbours are not up to date afterwards. Returns the number of vertices that split an edge.
+std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges);
+
+// Small holes of a body that is otherwise closed (mesh_holes.cc)   (R.3).
+inline constexpr std::size_t kMaxHoleEdges = 64;
+inline constexpr double kMaxHoleRelative = 0.2;  // the hole's diagonal, of its component's
+inline constexpr std::size_t kMaxHoles = 1000;   // of a mesh
+
+// Fills the holes of every component that has only small ones: then it is closed, and the tip can be inside. Sheets
+// keep theirs. Each hole gets the triangulation of least area [Barequet & Sharir 1995]. Precondition: neighbours and
+// components are filled, each component oriented in itself. Neighbours are not up to date afterwards. Returns the
+// number of holes that were filled.
+std::uint32_t CloseSmallHoles(Mesh& mesh, const EdgeList& edges, std::uint32_t components);
+
+// Each component's front faces out of the body (mesh_orient.cc)   (R.6).
+struct OrientReport {
+  std::uint32_t flipped = 0;   // components that were inside-out
+  std::uint32_t cavities = 0;  // closed, inwards, inside another component: left so
+};
+
+// Precondition: mesh.component is filled with numbers below `components`, each component is oriented in itself.
+OrientReport OrientOutwards(Mesh& mesh, std::uint32_t components);
+
+}  // namespace omni::haptics
