@@ -1,4 +1,4 @@
-# cmake -DSOURCE=... -DOUT=FILE.cc -P build_stamp.cmake: service/scene/cache/build_stamp.h's string, from the sources' contents.
+# cmake -DSOURCE=... -DOUT=FILE.cc -P build_stamp.cmake: kBuildStamp of service/scene/cache/cache_store.h, from the sources' contents.
 set(all "")
 foreach(folder base haptics scene)
   file(GLOB_RECURSE files RELATIVE ${SOURCE} ${SOURCE}/service/${folder}/*.h ${SOURCE}/service/${folder}/*.cc)
@@ -10,4 +10,4 @@ foreach(folder base haptics scene)
 endforeach()
 string(SHA256 stamp "${all}")
 file(WRITE ${OUT}
-     "#include \"service/scene/cache/build_stamp.h\"\n\nnamespace omni::scene {\n\nconst char* const kBuildStamp = \"${stamp}\";\n\n}  // namespace omni::scene\n")
+     "#include \"service/scene/cache/cache_store.h\"\n\nnamespace omni::scene {\n\nconst char* const kBuildStamp = \"${stamp}\";\n\n}  // namespace omni::scene\n")

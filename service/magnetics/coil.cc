@@ -1,15 +1,67 @@
 #include "service/magnetics/coil.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "service/base/eigen.h"
 #include "service/base/limits.h"
 #include "service/magnetics/dipole.h"
-#include "service/magnetics/loop_field.h"
 #include "service/magnetics/zonal.h"
 
 namespace omni::magnetics {
+
+// a0 = 1, g0 = sqrt(1 - m), c0^2 = m: K = pi / (2 a_n), E = K (1 - sum 2^(n-1) c_n^2)   [Abramowitz & Stegun 17.6]
+EllipticIntegrals CompleteElliptic(double m) noexcept {
+  double a = 1;
+  double g = std::sqrt(1 - m);
+  double weight = 0.5;
+  double sum = weight * m;
+  for (int n = 0; n < 12; ++n) {
+    const double c = 0.5 * (a - g);
+    const double next = 0.5 * (a + g);
+    g = std::sqrt(a * g);
+    a = next;
+    weight *= 2;
+    sum += weight * c * c;
+    if (!(std::abs(c) > 1e-16 * a)) break;
+  }
+  const double K = 0.5 * std::numbers::pi / a;
+  return {K, K * (1 - sum)};
+}
+
+// k^2 = 4 a rho / s, s = (a + rho)^2 + z^2, t = (a - rho)^2 + z^2:
+//   Bz   = mu0/2pi 1/sqrt(s) [K + (a^2 - rho^2 - z^2)/t E]
+//   Brho = mu0/2pi z/(rho sqrt(s)) [-K + (a^2 + rho^2 + z^2)/t E]   [Smythe, Static and Dynamic Electricity, 7.10]
+// Near the axis the bracket of Brho cancels; there Brho = -rho/2 dBz/dz with Bz = mu0 a^2 / (2 (a^2 + z^2)^(3/2)).
+LoopField FieldOfLoop(double radius_m, double rho_m, double z_m) noexcept {
+  const double a = radius_m;
+  const double s = (a + rho_m) * (a + rho_m) + z_m * z_m;
+  const double t = (a - rho_m) * (a - rho_m) + z_m * z_m;
+  const EllipticIntegrals e = CompleteElliptic(4 * a * rho_m / s);
+  const double scale = kMu0 / (2 * std::numbers::pi * std::sqrt(s));
+  const double a2 = a * a;
+  const double rest = rho_m * rho_m + z_m * z_m;
+  const double Bz = scale * (e.K + (a2 - rest) / t * e.E);
+  if (rho_m < 1e-4 * std::sqrt(a2 + z_m * z_m)) {
+    const double h2 = a2 + z_m * z_m;
+    return {0.75 * kMu0 * a2 * rho_m * z_m / (h2 * h2 * std::sqrt(h2)), Bz};
+  }
+  return {scale * z_m / rho_m * ((a2 + rest) / t * e.E - e.K), Bz};
+}
+
+Eigen::Vector3d FieldOfLoop(double radius_m, double height_m, const Eigen::Vector3d& axis,
+                            const Eigen::Vector3d& x) noexcept {
+  const double z = axis.dot(x);
+  const Eigen::Vector3d radial = x - z * axis;
+  const double rho = radial.norm();
+  const LoopField B = FieldOfLoop(radius_m, rho, z - height_m);
+  if (!(rho > 0)) return B.z_T_A * axis;
+  return B.z_T_A * axis + (B.rho_T_A / rho) * radial;
+}
+
 namespace {
 
 // P'_l(c) for l = 1, 3, 5, ...: the Gegenbauer polynomial C^(3/2)_(l-1)(c).
@@ -87,6 +139,35 @@ Eigen::Vector3d CoilField(const std::vector<Turn>& winding, const CoilMoments& c
   Eigen::Vector3d B = ZonalField(core, axis, x);
   for (const Turn& turn : winding) B += FieldOfLoop(turn.radius_m, turn.height_m, axis, x);
   return B;
+}
+
+namespace {
+
+using Eigen::Matrix3d;
+using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+constexpr double kMomentMin_Am2 = 1e-3;  // per ampere, of the weakest direction: less is no coil
+
+// (sum D^T D) P = sum D^T A, D = G DipoleMatrix(s)
+Matrix3d CoilMomentsFromMaps(const base::Calibration& calibration) {
+  Matrix3d square = Matrix3d::Zero(), along = Matrix3d::Zero();
+  for (const base::SensorCalibration& sensor : calibration.sensors) {
+    const Matrix3d unit = Eigen::Map<const RowMajor3d>(sensor.gain_sensor_base.data()) *
+                          DipoleMatrix(base::ToEigen(sensor.position_base_m));
+    square += unit.transpose() * unit;
+    along += unit.transpose() * Eigen::Map<const RowMajor3d>(sensor.current_map_T_A.data());
+  }
+  return square.ldlt().solve(along);
+}
+
+}  // namespace
+
+Matrix3d CoreCurrents(const base::Calibration& calibration) {
+  const double core_Am2_T = std::pow(calibration.core_radius_m, 3) * calibration.core_kappa / kMu0Over4Pi;
+  if (!(core_Am2_T > 0)) return Matrix3d::Zero();
+  const Matrix3d moments = CoilMomentsFromMaps(calibration);
+  const bool three = moments.allFinite() && std::abs(moments.determinant()) > std::pow(kMomentMin_Am2, 3);
+  return three ? Matrix3d(core_Am2_T * moments.inverse()) : Matrix3d(Matrix3d::Zero());
 }
 
 }  // namespace omni::magnetics

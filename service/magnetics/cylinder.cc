@@ -1,11 +1,11 @@
-#include "service/magnetics/cylinder.h"
+#include "service/magnetics/disc_magnet.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "service/magnetics/coil.h"
 #include "service/magnetics/dipole.h"
-#include "service/magnetics/loop_field.h"
 
 namespace omni::magnetics {
 namespace {

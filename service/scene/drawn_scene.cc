@@ -15,9 +15,8 @@
 #include "service/scene/gltf/gltf_decode.h"
 #include "service/scene/gltf/gltf_file.h"
 #include "service/scene/gltf/instances.h"
-#include "service/scene/gltf/load_error.h"
+#include "service/scene/gltf/json_reading.h"
 #include "service/scene/gltf/node_tree.h"
-#include "service/scene/gltf/triangle_count.h"
 
 namespace omni::scene {
 namespace {

@@ -2,19 +2,47 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "service/base/files/whole_file.h"
-#include "service/scene/glb_write.h"
 #include "service/scene/tags/haptic_keys.h"
 
 namespace omni::scene {
+
+using base::Vec3;
+
+void PutWord(std::size_t value, std::string& to) {
+  for (int shift = 0; shift < 32; shift += 8) to.push_back(static_cast<char>(value >> shift & 0xFF));
+}
+
+std::string GlbFile(std::string json, std::string_view chunks) {
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::string glb = "glTF";
+  PutWord(2, glb);
+  PutWord(20 + json.size() + chunks.size(), glb);
+  PutWord(json.size(), glb);
+  glb += "JSON" + json;
+  return glb.append(chunks);
+}
+
+std::vector<Vec3> VertexNormals(const haptics::InputObject& object) {
+  std::vector<Vec3> normals(object.vertices_base_m.size());
+  for (const auto& t : object.triangles) {
+    const Vec3 &a = object.vertices_base_m[t[0]], &b = object.vertices_base_m[t[1]], &c = object.vertices_base_m[t[2]];
+    const Vec3 n = Cross(b - a, c - a);
+    for (const std::uint32_t k : t) normals[k] += n;
+  }
+  for (Vec3& n : normals) {
+    const double length = std::hypot(n.x, n.y, n.z);
+    n = length > 0 ? Vec3{n.x / length, n.y / length, n.z / length} : Vec3{0, 0, 1};
+  }
+  return normals;
+}
+
 namespace {
 
 using base::Error;
-using base::Vec3;
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr int kGlFloat = 5126, kGlUnsignedInt = 5125;
@@ -43,7 +71,7 @@ OrderedJson TagOf(const haptics::Material& material) {
   return tag;
 }
 
-std::string Problem(const haptics::SceneInput& scene) {
+std::string ProblemWith(const haptics::SceneInput& scene) {
   if (scene.joystick || scene.vehicle) return "a scene with a joystick or a vehicle is not saved";
   if (scene.objects.empty()) return "there is nothing to save";
   for (const haptics::InputObject& object : scene.objects) {
@@ -161,7 +189,7 @@ class GlbWriter {
 }  // namespace
 
 base::Result<std::string> GlbBytes(const haptics::SceneInput& scene) {
-  const std::string problem = Problem(scene);
+  const std::string problem = ProblemWith(scene);
   if (!problem.empty()) return Error{problem};
   std::string bytes = GlbWriter(scene).Run();
   if (bytes.size() > 0xFFFFFFFF) return Error{"more than 4 GB, the limit of a .glb file; save fewer objects"};

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "service/haptics/scene/check_scene.h"
-#include "service/scene/cache/build_stamp.h"
+#include "service/scene/cache/cache_store.h"
 #include "service/scene/cache/cached_scene.h"
 #include "service/scene/scene_reader.h"
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/files/read_file.h"
-#include "service/scene/glb_write.h"
+#include "service/scene/glb_save.h"
 #include "service/scene/gltf/json_reading.h"
 
 namespace omni::scene {
@@ -18,8 +18,7 @@ namespace {
 using Node = nlohmann::json;
 
 constexpr const char* kExtension = "OMNI_haptic_material";
-constexpr std::size_t kMaxBytes = 1ull << 30;     // as LoadOptions
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
+constexpr std::size_t kMaxBytes = 1ull << 30;  // as LoadOptions
 
 struct Problem {
   std::string text;

@@ -5,7 +5,7 @@
 #include <limits>
 #include <sstream>
 
-#include "service/scene/gltf/load_error.h"
+#include "service/scene/gltf/json_reading.h"
 
 namespace omni::scene {
 namespace {

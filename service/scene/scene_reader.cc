@@ -7,6 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 #include <map>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -15,11 +16,11 @@
 #include "service/scene/gltf/gltf_file.h"
 #include "service/scene/gltf/gltf_subset.h"
 #include "service/scene/gltf/instances.h"
-#include "service/scene/gltf/load_error.h"
+#include "service/scene/gltf/json_reading.h"
 #include "service/scene/gltf/node_tree.h"
-#include "service/scene/gltf/triangle_count.h"
 #include "service/scene/join_objects.h"
 #include "service/scene/reach.h"
+#include "service/scene/scene_file.h"
 #include "service/scene/tags/haptic_binding.h"
 #include "service/scene/tags/haptic_texture.h"
 
@@ -366,5 +367,21 @@ SceneReader::~SceneReader() = default;
 bool SceneReader::ReadBytes() { return loader_->ReadBytes(); }
 Digest SceneReader::FinishDigest() { return loader_->FinishDigest(); }
 haptics::SceneInput SceneReader::MakeInput() { return loader_->MakeInput(); }
+
+base::Result<haptics::SceneInput> LoadSceneFile(const std::string& path, const LoadOptions& options,
+                                                LoadReport& report) {
+  report = {};
+  try {
+    SceneReader reader(path, options, report);
+    if (reader.ReadBytes()) return reader.MakeInput();
+    haptics::SceneInput nothing;
+    nothing.name = "untagged";
+    return nothing;
+  } catch (const std::bad_alloc&) {
+    return base::Error{path + ": does not fit into memory; simplify the model"};
+  } catch (const std::exception& error) {
+    return base::Error{path + ": " + error.what()};
+  }
+}
 
 }  // namespace omni::scene

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "service/magnetics/array.h"
-#include "service/magnetics/cylinder.h"
+#include "service/magnetics/coil.h"
 #include "service/magnetics/disc_magnet.h"
-#include "service/magnetics/loop_field.h"
 #include "service/magnetics/nominal.h"
 #include "tests/support/chips/hall_sensor.h"
 #include "tests/support/rig/nominal_device.h"

@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "service/magnetics/cylinder.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/disc_magnet.h"
 #include "service/magnetics/zonal.h"

@@ -8,7 +8,6 @@
 #include "service/magnetics/coil.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/disc_magnet.h"
-#include "service/magnetics/loop_field.h"
 #include "service/magnetics/zonal.h"
 #include "tests/support/core_image.h"
 #include "tests/support/rig/nominal_device.h"

@@ -4,7 +4,7 @@
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/sculpt/sculpted_scene.h"
-#include "service/scene/load_live.h"
+#include "service/scene/load_scene.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/process/temp_folder.h"
 #include "tests/support/same_bits.h"

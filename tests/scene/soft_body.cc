@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "service/haptics/live/make_live.h"
-#include "service/scene/load_soft_body.h"
+#include "service/scene/load_scene.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/process/temp_folder.h"
 

@@ -7,8 +7,8 @@
 
 #include "service/base/eigen.h"
 #include "service/config/files/device_file.h"
-#include "service/magnetics/array.h"
-#include "service/magnetics/cylinder.h"
+#include "service/magnetics/disc_magnet.h"
+#include "service/magnetics/nominal.h"
 #include "service/tools/track/track_run.h"
 #include "tests/support/numeric.h"
 #include "tests/support/rig/rig.h"

@@ -7,7 +7,7 @@
 #include "service/calibration/fit/residual.h"
 #include "service/calibration/fit/steel_plane.h"
 #include "service/calibration/fit/tool_field.h"
-#include "service/magnetics/core_currents.h"
+#include "service/magnetics/coil.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/zonal.h"
 

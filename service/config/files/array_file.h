@@ -11,7 +11,7 @@
 
 namespace omni::config {
 
-// The content of a file. What follows from it by a formula is left to magnetics (array.h): the moment if the file has a
+// The content of a file. What follows from it by a formula is left to magnetics (nominal.h): the moment if the file has a
 // remanence (then calibration.moment_Am2 is 0), the current maps if it has windings (`coils` holds three).
 struct ArrayFile {
   base::Calibration calibration;

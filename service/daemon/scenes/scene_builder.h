@@ -18,7 +18,7 @@
 #include "service/config/files/app_file.h"
 #include "service/haptics/scene/scene.h"
 #include "service/scene/cache/cache_store.h"
-#include "service/scene/load_soft_body.h"
+#include "service/scene/load_scene.h"
 #include "service/scene/scene_file.h"
 
 namespace omni::daemon {

@@ -8,7 +8,7 @@
 
 #include "service/haptics/scene/scene_input.h"
 #include "service/scene/drawn_scene.h"
-#include "service/scene/glb_write.h"
+#include "service/scene/glb_save.h"
 
 namespace omni::monitor {
 namespace {

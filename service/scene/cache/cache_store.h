@@ -55,4 +55,8 @@ class CacheStore {
   std::string problem_;
 };
 
+// Names the code that made a block: a hash over the sources of service/haptics, service/scene and service/base,
+// computed by the build (scripts/cmake/build_stamp.cmake). Other code, other stamp, other cache files.
+extern const char* const kBuildStamp;
+
 }  // namespace omni::scene

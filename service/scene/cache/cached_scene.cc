@@ -10,7 +10,6 @@
 
 #include "service/haptics/scene/check_scene.h"
 #include "service/scene/gltf/json_reading.h"
-#include "service/scene/gltf/load_error.h"
 
 namespace omni::scene {
 namespace {

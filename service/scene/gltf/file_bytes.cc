@@ -6,10 +6,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <span>
 #include <system_error>
 
-#include "service/scene/gltf/load_error.h"
+#include "service/scene/gltf/json_reading.h"
 
 namespace omni::scene {
 namespace {
@@ -65,6 +66,74 @@ void FileBytes::Read(std::uint64_t offset, void* to, std::size_t count) {
     bytes_read_ += static_cast<std::uint64_t>(got);
   }
   if (digest_) digest_->Add(all);
+}
+
+namespace {
+
+int Base64Digit(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+' || c == '-') return 62;  // '-' and '_': the URL-safe alphabet of RFC 4648
+  if (c == '/' || c == '_') return 63;
+  return -1;
+}
+
+int HexDigit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+}  // namespace
+
+std::vector<unsigned char> DecodeDataUri(const std::string& uri, const std::string& pointer) {
+  const std::size_t comma = uri.find(',');
+  if (comma == std::string::npos || comma > 200 || uri.substr(0, comma).find(";base64") == std::string::npos) {
+    throw LoadError(pointer, "is a data URI without \";base64,\"; only base64 can be read");
+  }
+  std::size_t end = uri.size();
+  while (end > comma + 1 && uri[end - 1] == '=') --end;
+  std::vector<unsigned char> bytes;
+  bytes.reserve((end - comma) / 4 * 3 + 3);
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (std::size_t i = comma + 1; i < end; ++i) {
+    const int digit = Base64Digit(uri[i]);
+    if (digit < 0)
+      throw LoadError(pointer, "is not base64 at character " + std::to_string(i) + "; export the file again");
+    bits = (bits << 6 | static_cast<std::uint32_t>(digit)) & 0xFFFFFF;
+    count += 6;
+    if (count >= 8) {
+      count -= 8;
+      bytes.push_back(static_cast<unsigned char>(bits >> count & 0xFF));
+    }
+  }
+  return bytes;
+}
+
+std::string LocalFileName(const std::string& uri, const std::string& pointer) {
+  std::string name;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    const int high = uri[i] == '%' && i + 2 < uri.size() ? HexDigit(uri[i + 1]) : -1;
+    const int low = high >= 0 ? HexDigit(uri[i + 2]) : -1;
+    if (low >= 0) {
+      name += static_cast<char>(high * 16 + low);
+      i += 2;
+    } else {
+      name += uri[i];
+    }
+  }
+  if (name.starts_with("./")) name.erase(0, 2);
+  const bool elsewhere = name.find_first_of(std::string("/\\:\0", 4)) != std::string::npos;
+  if (name.empty() || name == "." || name == ".." || elsewhere) {
+    throw LoadError(
+        pointer,
+        "names \"" + uri.substr(0, 60) +
+            "\"; buffers are read only from files in the document's own folder: move it there or export as .glb");
+  }
+  return name;
 }
 
 }  // namespace omni::scene

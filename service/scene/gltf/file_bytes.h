@@ -1,9 +1,11 @@
-// A regular file read by byte ranges with pread; counts what was read, and adds it to a digest.
+// The bytes of a document. A regular file is read by byte ranges with pread; what was read is counted, and added to a
+// digest.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "service/scene/cache/sha256.h"
 
@@ -40,5 +42,14 @@ class FileBytes {
   std::uint64_t bytes_read_ = 0;
   Sha256* digest_ = nullptr;
 };
+
+// URIs of glTF buffers: embedded data, and names of files beside the document.
+
+// "data:...;base64,..." -> bytes. Throws LoadError.
+std::vector<unsigned char> DecodeDataUri(const std::string& uri, const std::string& pointer);
+
+// Percent-decoded name of a file in the document's own folder. Throws LoadError on any other place (a scheme, a folder,
+// "..", a NUL byte): a scene file must not make the service open files elsewhere.
+std::string LocalFileName(const std::string& uri, const std::string& pointer);
 
 }  // namespace omni::scene

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "service/haptics/scene/scene.h"
-#include "service/scene/gltf/accessor_use.h"
-#include "service/scene/gltf/load_error.h"
+#include "service/scene/gltf/gltf_subset.h"
+#include "service/scene/gltf/json_reading.h"
 
 namespace omni::scene {
 namespace {

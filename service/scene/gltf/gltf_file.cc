@@ -5,17 +5,16 @@
 #include <cstring>
 #include <filesystem>
 
-#include "service/scene/gltf/load_error.h"
-#include "service/scene/gltf/uri.h"
+#include "service/scene/gltf/file_bytes.h"
+#include "service/scene/gltf/json_reading.h"
 
 namespace omni::scene {
 namespace {
 
 // glTF 2.0, "GLB File Format Specification": magic, version, length, then chunks of {length, type, data}, little
 // endian.
-constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
-constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN\0"
+constexpr std::uint32_t kMagic = 0x46546C67;     // "glTF"
+constexpr std::uint32_t kBinChunk = 0x004E4942;  // "BIN\0"
 
 constexpr std::size_t kMaxFilesBeside = 100;  // open at a time, of the thousand that a process may have
 

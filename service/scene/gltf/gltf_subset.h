@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,6 +15,37 @@
 #include "service/scene/gltf/json_reading.h"
 
 namespace omni::scene {
+
+// Which accessors may be read as what: type, and component types by OpenGL's numbers.
+enum Use : unsigned {
+  kIndex = 1,
+  kPosition = 2,
+  kUv = 4,
+  kVector = 8,
+  kRotation = 16,
+  kNormal = 32,
+  kColour3 = 64,
+  kColour4 = 128
+};
+
+struct UseRow {
+  Use use;
+  const char* type;
+  std::size_t components;
+  const char* allowed;
+};
+const UseRow& RowOf(Use use);
+
+struct ComponentRow {
+  std::uint64_t type;  // OpenGL's number
+  std::size_t bytes;
+  unsigned uses;  // integers for positions, coordinates and normals: KHR_mesh_quantization
+};
+// Of `parent`/componentType. Throws LoadError when it is not allowed for this use.
+const ComponentRow& ComponentOf(const Json& parent, const std::string& pointer, Use use);
+
+// Of a type that ComponentOf has returned.
+std::size_t ComponentBytes(std::uint64_t type);
 
 struct MeshRequest {
   std::uint32_t mesh = 0;             // index into /meshes, each once

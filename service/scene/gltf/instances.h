@@ -1,4 +1,5 @@
-// EXT_mesh_gpu_instancing: a node's mesh in many places.
+// EXT_mesh_gpu_instancing: a node's mesh in many places; and how many triangles that makes, by the counts of accessors:
+// known before any of them is read.
 #pragma once
 
 #include <cstdint>
@@ -20,5 +21,9 @@ std::uint64_t CountInstances(const Json& root, std::uint32_t node);
 
 // Its transforms, mesh -> scene, one per instance. Throws LoadError.
 std::vector<glm::dmat4> PlacesOf(const NodeVisit& node, const std::vector<Instance>& instances);
+
+// Throws LoadError when the meshes of `nodes`, each of which has one, have more than haptics::kMaxTriangles with all
+// their instances, or 400,000 primitives.
+void CheckTriangleCount(const Json& root, const std::vector<const NodeVisit*>& nodes);
 
 }  // namespace omni::scene

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,12 +12,24 @@
 
 namespace omni::scene {
 
+// A message may quote a file's own words, and goes to terminals and logs: no control characters, and a bounded length.
+std::string Printable(std::string message);
+
+// Why a file was refused. Thrown inside this module only; LoadSceneFile turns it into base::Error.
+class LoadError : public std::runtime_error {
+ public:
+  // `pointer`: JSON pointer of the culprit ("" = the file as a whole); `what`: what is wrong, the limit, what to do.
+  LoadError(const std::string& pointer, const std::string& what)
+      : std::runtime_error(Printable(pointer.empty() ? what : pointer + ": " + what)) {}
+};
+
 using Json = base::JsonValue;
 
 // 100,000 nodes have 40 values each: a node has some 10, a mesh of its own with accessors some 50. As a document they
 // take at most 128 MB.
 inline constexpr base::JsonLimits kSceneJson{
     .bytes = 64u << 20, .values = 4'000'000, .members = 4'000'000, .depth = 128};
+inline constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON", of a binary glTF file
 
 // Throws LoadError on a syntax error, a limit of kSceneJson, a key that is there twice, or a root that is no object.
 base::JsonDocument ParseJson(std::string_view text);

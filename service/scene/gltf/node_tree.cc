@@ -4,7 +4,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "service/scene/gltf/load_error.h"
+#include "service/scene/gltf/json_reading.h"
 
 namespace omni::scene {
 namespace {

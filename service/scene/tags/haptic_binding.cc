@@ -1,6 +1,6 @@
 #include "service/scene/tags/haptic_binding.h"
 
-#include "service/scene/gltf/load_error.h"
+#include "service/scene/gltf/json_reading.h"
 #include "service/scene/tags/haptic_texture.h"
 
 namespace omni::scene {

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "service/base/files/nearest_word.h"
-#include "service/scene/gltf/load_error.h"
+#include "service/scene/gltf/json_reading.h"
 
 namespace omni::scene {
 namespace {

@@ -8,7 +8,7 @@
 #include <stb/stb_image.h>
 
 #include "service/haptics/scene/scene.h"
-#include "service/scene/gltf/load_error.h"
+#include "service/scene/gltf/json_reading.h"
 
 namespace omni::scene {
 namespace {

@@ -10,10 +10,9 @@
 
 #include "firmware/core/board_io.h"
 #include "service/base/device_geometry.h"
+#include "service/base/limits.h"
 #include "service/base/truth_parameters.h"
 #include "service/sim/coils/coil_bank.h"
-#include "service/sim/coils/plant_faults.h"
-#include "service/sim/coils/supply_rail.h"
 #include "service/sim/fields/truth_model.h"
 #include "service/sim/hand/hand.h"
 #include "service/sim/hand/motion.h"
@@ -22,6 +21,55 @@
 #include "service/sim/twin/twin.h"
 
 namespace omni::sim {
+
+// What can be broken in a simulated base, all of it while it runs.
+enum class HallFault : std::uint8_t {
+  kNone,
+  kStuck,          // the same sample again and again, each marked as fresh
+  kStopped,        // answers, but its conversions have ended
+  kDead,           // does not answer
+  kWrongIdentity,  // another device answers
+};
+
+struct PlantFaults {
+  std::array<HallFault, base::kSensorCount> hall{};
+  std::array<bool, base::kCoilCount> current_sensor_dead{};
+  std::array<bool, base::kCoilCount> coil_open{};
+  std::array<bool, base::kCoilCount> coil_shorted{};  // most of its turns
+  std::array<bool, base::kCoilCount> bridge{};        // reports a fault and no longer drives
+  std::optional<double> supply_V;                     // of the source
+  bool fan_stands = false;
+  bool emergency_stop = false;  // the switch is open
+  CoilArray extra_heat_W{};     // into the copper, from outside
+};
+
+// The base's supply: a source with a resistance and a diode, and the capacitor beside the bridges. It sags under load;
+// what sleeping bridges give back has nowhere to go but into the capacitor.
+struct SupplyParameters {
+  double source_ohm = 0.05;     // source, cable and diode; assumption
+  double capacitance_F = 1e-3;  // of the bridges' boards together; assumption, the worst of those considered
+  double quiescent_A = 0.1;     // controller, sensors, fan; assumption
+  double clamp_V = 33;          // a transient suppressor stands across it
+};
+
+class SupplyRail {
+ public:
+  SupplyRail(const SupplyParameters& parameters, double source_V) noexcept
+      : parameters_(parameters), source_V_(source_V), rail_V_(source_V) {}
+
+  void SetSource(double source_V) noexcept { source_V_ = source_V; }
+
+  // The bridges draw `load_A` over the step; < 0: they give back.
+  //   C dV/dt = (V0 - V) / Rs - I   while V < V0, without the first term above it
+  void Step(double load_A, double dt_s) noexcept;
+
+  double voltage_V() const noexcept { return rail_V_; }
+
+ private:
+  SupplyParameters parameters_;
+  double source_V_;
+  double rail_V_;
+};
 
 struct BridgeParameters {
   double on_ohm = 0.01;  // two transistors and the current sensor's shunt [INA260: 2 mOhm]

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "service/sim/fields/charge_kernel.h"
-#include "service/sim/fields/constants.h"
+#include "service/sim/fields/vec3.h"
 
 namespace omni::sim {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "service/sim/fields/constants.h"
+#include "service/sim/fields/vec3.h"
 
 namespace omni::sim {
 namespace {

@@ -1,5 +1,5 @@
 #include "service/sim/fields/truth_model.h"
-#include "service/sim/fields/constants.h"
+#include "service/sim/fields/vec3.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,9 @@
-// What the twin needs of vectors beyond service/base/vec.h.
+// What the twin needs of vectors beyond service/base/vec.h, and constants.
 #pragma once
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "service/base/vec.h"
 
@@ -25,5 +26,8 @@ inline Vec3 Rotated(const Vec3& v, const Vec3& w) noexcept {
   const Vec3 n = (1.0 / angle) * w;
   return std::cos(angle) * v + std::sin(angle) * Cross(n, v) + ((1 - std::cos(angle)) * Dot(n, v)) * n;
 }
+
+inline constexpr double kMu0 = 4e-7 * std::numbers::pi;  // permeability of vacuum, T m/A
+inline constexpr double kMu0Over4Pi = 1e-7;
 
 }  // namespace omni::sim

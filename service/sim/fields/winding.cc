@@ -1,5 +1,5 @@
 #include "service/sim/fields/winding.h"
-#include "service/sim/fields/constants.h"
+#include "service/sim/fields/vec3.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "service/sim/hand/led_path.h"
+#include "service/sim/hand/hand_guide.h"
 
 #include <algorithm>
 

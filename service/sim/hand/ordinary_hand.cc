@@ -1,4 +1,4 @@
-#include "service/sim/hand/ordinary_hand.h"
+#include "service/sim/hand/hand.h"
 
 #include <algorithm>
 #include <cmath>

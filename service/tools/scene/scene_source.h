@@ -5,7 +5,7 @@
 
 #include "service/base/result.h"
 #include "service/haptics/scene/scene.h"
-#include "service/scene/load_live.h"
+#include "service/scene/load_scene.h"
 #include "service/scene/scene_file.h"
 
 namespace omni::tools {

@@ -3,7 +3,6 @@
 #include "service/config/files/array_file.h"
 #include "service/config/files/device_file.h"
 #include "service/config/text/text_file.h"
-#include "service/magnetics/array.h"
 #include "service/magnetics/nominal.h"
 
 namespace omni::tools {

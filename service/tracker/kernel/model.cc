@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "service/base/eigen.h"
-#include "service/magnetics/core_currents.h"
+#include "service/magnetics/coil.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/disc_magnet.h"
 #include "service/tracker/solve/spiral.h"

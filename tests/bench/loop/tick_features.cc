@@ -10,7 +10,7 @@
 #include "service/config/paths.h"
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/state.h"
-#include "service/scene/load_live.h"
+#include "service/scene/load_scene.h"
 #include "tests/bench/harness/idle_timing.h"
 #include "tests/support/touch/fresh_scene.h"
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "service/base/in_parallel.h"
-#include "service/sim/hand/ordinary_hand.h"
+#include "service/sim/hand/hand.h"
 #include "service/tools/common/statistics.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"

@@ -22,7 +22,7 @@
 #include "service/haptics/scene/scene.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/fields/vec3.h"
-#include "service/sim/hand/ordinary_hand.h"
+#include "service/sim/hand/hand.h"
 #include "service/tools/common/statistics.h"
 #include "service/tools/scene/scene_source.h"
 #include "service/tracker/tracker.h"
