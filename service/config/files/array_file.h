@@ -11,8 +11,8 @@
 
 namespace omni::config {
 
-// The content of a file. What follows from it by a formula is left to magnetics (nominal.h): the moment if the file has a
-// remanence (then calibration.moment_Am2 is 0), the current maps if it has windings (`coils` holds three).
+// The content of a file. What follows from it by a formula is left to magnetics (nominal.h): the moment if the file has
+// a remanence (then calibration.moment_Am2 is 0), the current maps if it has windings (`coils` holds three).
 struct ArrayFile {
   base::Calibration calibration;
   std::vector<base::CoilGeometry> coils;  // none or kCoilCount; turns, layers, radii, band and axis only
