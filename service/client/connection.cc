@@ -54,6 +54,14 @@ HapticSceneTable TableOf(const protocol::HapticSceneRows& rows) {
 
 std::string DefaultSocketPath() { return protocol::DefaultSocketPath(); }
 
+// What the service is to know as long as it stands: sent until it is sent, and again after a reconnection.
+template <class M>
+struct Standing {
+  M message;
+  bool wanted = false;   // false: it says that nothing is wanted, which a new service assumes anyway
+  bool pending = false;  // the service does not know it yet
+};
+
 struct Connection::Impl {
   enum class Phase { kIdle, kGreeting, kConnected };
 
@@ -76,7 +84,7 @@ struct Connection::Impl {
   // One for each of OMNI_SERVER_MESSAGES.
   void Handle(const Incoming& packet, const protocol::Welcome& welcome);
   void Handle(const Incoming& packet, const protocol::Reject& reject);
-  void Handle(const Incoming& packet, const protocol::Surfaces& surfaces);
+  void Handle(const Incoming& packet, const protocol::Surfaces& announced);
   void Handle(const Incoming& packet, const protocol::SceneAnswer& answer);
   void Handle(const Incoming&, const protocol::StatusReply& reply) { status.assign(reply.json); }
   void Handle(const Incoming&, const protocol::Notice& notice);
@@ -92,9 +100,17 @@ struct Connection::Impl {
   void RefuseNonsense(std::int64_t now_ns, const std::string& what);
   void Disconnect(std::int64_t now_ns) noexcept;
   void Fail(std::int64_t now_ns, const std::string& problem);
-  void SendPendingSession() noexcept;
-  void SendSurfaceRequest() noexcept;
-  void SendForceClaim() noexcept;
+
+  template <class M>
+  bool Want(Standing<M>& standing, const M& message, bool wanted) noexcept {
+    standing = {.message = message, .wanted = wanted, .pending = true};
+    return Deliver(standing);
+  }
+  template <class M>
+  bool Deliver(Standing<M>& standing) noexcept {
+    if (standing.pending) standing.pending = !Send(standing.message);
+    return !standing.pending;
+  }
 
   template <class T>
   bool Send(const T& message) noexcept {
@@ -110,14 +126,12 @@ struct Connection::Impl {
   std::shared_ptr<const StateReader> reader;
   std::int64_t next_attempt_ns = std::numeric_limits<std::int64_t>::min();
   std::int64_t greeting_since_ns = 0;
-  protocol::SessionState session = protocol::SessionState::kNone;
-  bool session_pending = false;  // the service does not know `session` yet
+  Standing<protocol::Session> session;
+  Standing<protocol::SurfaceRequest> surfaces;
+  Standing<protocol::ForceClaim> force;
+  Standing<protocol::BasePoseRequest> base_pose_request;
   std::shared_ptr<const SurfaceReader> surface_reader;
-  bool surfaces_wanted = false;
-  bool surfaces_pending = false;  // the service does not know `surfaces_wanted` yet
   bool surfaces_answered = false;
-  bool force_wanted = false;
-  bool force_pending = false;  // the service does not know `force_wanted` yet
   protocol::ForceStanding force_standing = protocol::ForceStanding::kFree;
   protocol::ForceProperties force_properties;
   bool force_properties_said = false;
@@ -128,8 +142,6 @@ struct Connection::Impl {
   std::optional<SceneAnswer> scene_answer;
   std::vector<HapticSceneUpdate> haptic_scene;
   std::uint64_t welcomes = 0;
-  std::optional<protocol::BasePoseRequest> base_pose_request;
-  bool base_pose_pending = false;  // the service does not know `placement_request` yet
   std::optional<protocol::BasePose> base_pose;
   std::uint32_t base_pose_commands = 0;  // sent so far
   std::optional<BasePoseAnswer> base_pose_answer;
@@ -144,10 +156,10 @@ void Connection::Impl::Advance(std::int64_t now_ns) {
   if (phase == Phase::kGreeting && now_ns - greeting_since_ns > kWelcomeTimeout_ns) {
     Fail(now_ns, "omnid at " + path + " does not answer; restart omnid");
   }
-  if (phase == Phase::kConnected && session_pending) SendPendingSession();
-  if (phase == Phase::kConnected && surfaces_pending) SendSurfaceRequest();
-  if (phase == Phase::kConnected && force_pending) SendForceClaim();
-  if (phase == Phase::kConnected && base_pose_pending) base_pose_pending = !Send(*base_pose_request);
+  Deliver(session);
+  Deliver(surfaces);
+  Deliver(force);
+  Deliver(base_pose_request);
 }
 
 void Connection::Impl::Attempt(std::int64_t now_ns) {
@@ -230,10 +242,10 @@ void Connection::Impl::Handle(const Incoming& packet, const protocol::Welcome& w
   phase = Phase::kConnected;
   ++welcomes;
   last_error.clear();
-  session_pending = session != protocol::SessionState::kNone;
-  surfaces_pending = surfaces_wanted;
-  force_pending = force_wanted;
-  base_pose_pending = base_pose_request.has_value();
+  session.pending = session.wanted;
+  surfaces.pending = surfaces.wanted;
+  force.pending = force.wanted;
+  base_pose_request.pending = base_pose_request.wanted;
 }
 
 void Connection::Impl::Handle(const Incoming&, const protocol::BasePoseReply& reply) {
@@ -268,20 +280,20 @@ void Connection::Impl::Handle(const Incoming&, const protocol::HapticSceneRows& 
   KeepHapticScene({.is_table = true, .state = {}, .text = {}, .table = TableOf(rows)});
 }
 
-void Connection::Impl::Handle(const Incoming& packet, const protocol::Surfaces& surfaces) {
+void Connection::Impl::Handle(const Incoming& packet, const protocol::Surfaces& announced) {
   const auto& [now_ns, fds, fd_count] = packet;
-  const std::size_t expected = surfaces.total_bytes > 0 ? 1 : 0;
+  const std::size_t expected = announced.total_bytes > 0 ? 1 : 0;
   if (fd_count != expected) {
     return Fail(now_ns, "omnid at " + path + ": its Surfaces carries " + std::to_string(fd_count) +
                             " descriptors, must be " + std::to_string(expected));
   }
-  if (!surfaces_wanted || surfaces_pending) return;  // of a cancelled request
+  if (!surfaces.wanted || surfaces.pending) return;  // of a cancelled request
   surfaces_answered = true;
   surface_reader.reset();
-  if (surfaces.total_bytes == 0) return;
-  auto mapped = SurfaceReader::Map(std::move(fds[0]), surfaces.total_bytes);
+  if (announced.total_bytes == 0) return;
+  auto mapped = SurfaceReader::Map(std::move(fds[0]), announced.total_bytes);
   if (!mapped.ok()) return Fail(now_ns, "omnid at " + path + ": its " + mapped.error());
-  if ((*mapped)->memory_generation() != surfaces.memory_generation) {
+  if ((*mapped)->memory_generation() != announced.memory_generation) {
     return Fail(now_ns, "omnid at " + path + ": its surface memory is not the one it announced; restart omnid");
   }
   surface_reader = std::move(*mapped);
@@ -332,24 +344,6 @@ void Connection::Impl::Fail(std::int64_t now_ns, const std::string& problem) {
   last_error = problem;
 }
 
-void Connection::Impl::SendPendingSession() noexcept {
-  protocol::Session message;
-  message.state = session;
-  session_pending = !Send(message);
-}
-
-void Connection::Impl::SendSurfaceRequest() noexcept {
-  protocol::SurfaceRequest message;
-  message.wanted = surfaces_wanted ? 1 : 0;
-  surfaces_pending = !Send(message);
-}
-
-void Connection::Impl::SendForceClaim() noexcept {
-  protocol::ForceClaim message;
-  message.wanted = force_wanted ? 1 : 0;
-  force_pending = !Send(message);
-}
-
 Connection::Connection(ConnectionInfo info) : impl_(std::make_unique<Impl>(std::move(info))) {}
 Connection::~Connection() = default;
 
@@ -369,10 +363,7 @@ void Connection::Beat() noexcept { impl_->life.Beat(); }
 
 bool Connection::SendSession(protocol::SessionState state) noexcept {
   if (impl_->info.role != protocol::ClientRole::kApplication) return false;
-  impl_->session = state;
-  impl_->session_pending = true;
-  if (connected()) impl_->SendPendingSession();
-  return !impl_->session_pending;
+  return impl_->Want(impl_->session, {.state = state}, state != protocol::SessionState::kNone);
 }
 
 bool Connection::SendHaptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) noexcept {
@@ -414,10 +405,7 @@ bool Connection::Impl::SendBytes(std::string_view message, int file) noexcept {
 
 bool Connection::ClaimForce(bool wanted) noexcept {
   if (impl_->info.role != protocol::ClientRole::kApplication) return false;
-  impl_->force_wanted = wanted;
-  impl_->force_pending = true;
-  if (connected()) impl_->SendForceClaim();
-  return !impl_->force_pending;
+  return impl_->Want(impl_->force, {.wanted = wanted ? 1U : 0U}, wanted);
 }
 
 protocol::ForceStanding Connection::force_standing() const noexcept { return impl_->force_standing; }
@@ -430,12 +418,9 @@ bool Connection::awaits_force_properties() const noexcept {
 }
 
 bool Connection::RequestSurfaces(bool wanted) noexcept {
-  impl_->surfaces_wanted = wanted;
-  impl_->surfaces_pending = true;
   impl_->surfaces_answered = false;
   impl_->surface_reader.reset();
-  if (connected()) impl_->SendSurfaceRequest();
-  return !impl_->surfaces_pending;
+  return impl_->Want(impl_->surfaces, {.wanted = wanted ? 1U : 0U}, wanted);
 }
 
 std::shared_ptr<const SurfaceReader> Connection::surfaces() const noexcept { return impl_->surface_reader; }
@@ -458,9 +443,7 @@ std::uint64_t Connection::welcomes() const noexcept { return impl_->welcomes; }
 std::vector<HapticSceneUpdate> Connection::PopHapticSceneUpdates() { return std::exchange(impl_->haptic_scene, {}); }
 bool Connection::RequestBasePose(const protocol::BasePoseRequest& request) noexcept {
   if (impl_->info.role != protocol::ClientRole::kApplication) return false;
-  impl_->base_pose_request = request;
-  impl_->base_pose_pending = !impl_->Send(request);
-  return !impl_->base_pose_pending;
+  return impl_->Want(impl_->base_pose_request, request, true);
 }
 
 std::optional<protocol::BasePose> Connection::PopBasePose() noexcept {
