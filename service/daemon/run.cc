@@ -34,8 +34,8 @@ constexpr double kExitIdle_s = 60;  // of an omnid that systemd has started for 
 // to replay.
 bool ServeDevice(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink, Service& service,
                  EndWatch& end) {
-  const EndWatch::CoilsToZero zero(end, [&service] { service.CoilsToZero(); });
-  DeviceKeeper keeper(options, device, sink, service, end);
+  const EndWatch::CoilsToZero zero(end, [&service] { service.device().CoilsToZero(); });
+  DeviceKeeper keeper(options, device, sink, service.device(), end);
   if (!keeper.Open() && IsReplay(options.device)) return false;
   while (!end.Wait(kPoll_ms) && keeper.Watch()) {
     if (options.exit_idle_s <= 0 || service.Idle_s() < options.exit_idle_s) continue;

@@ -123,7 +123,8 @@ TEST(DaemonBaseMoved, StatusSaysSo) {
   std::int64_t second_ns = 0;
   const auto feel = [&](const Vec3& field_T, int seconds) {
     for (int i = 0; i < seconds; ++i) {
-      service.SetField({.field_base_T = field_T, .second_ns = ++second_ns});
+      ++second_ns;
+      service.device().With([&](auto& state) { state.field = {.field_base_T = field_T, .second_ns = second_ns}; });
       service.OnPeriod(second_ns);
       service.OnPeriod(second_ns);  // the same second counts once
     }

@@ -43,7 +43,7 @@ class EmergencyStopTest : public testing::Test {
     loop_ = std::make_unique<loop::TickThread>(loop::MakeTickConfig(config::DefaultDevice()),
                                                loop::TickThread::Options{.realtime = false}, source_, sink_);
     loop_->Start();
-    service_.Attach(*loop_, pen_);
+    service_.device().Attach(*loop_, pen_);
     auto server = ipc::Server::Open(
         {.socket_path = folder_.Path("socket/omnid.sock"), .service_instance = 1, .state_fd = publisher_->fd()},
         service_);
@@ -58,7 +58,7 @@ class EmergencyStopTest : public testing::Test {
   }
   ~EmergencyStopTest() override {
     server_->Stop();
-    service_.Detach("the test is over");
+    service_.device().Detach("the test is over");
   }
 
   static config::AppTable Apps() {

@@ -42,9 +42,9 @@ class ServiceTest : public testing::Test {
     loop_ = std::make_unique<loop::TickThread>(loop::MakeTickConfig(config::DefaultDevice()),
                                                loop::TickThread::Options{.realtime = false}, source_, sink_);
     loop_->Start();
-    service_.Attach(*loop_, *device_);
+    service_.device().Attach(*loop_, *device_);
   }
-  ~ServiceTest() override { service_.Detach("the test is over"); }
+  ~ServiceTest() override { service_.device().Detach("the test is over"); }
 
   static config::AppTable Apps() {
     const std::string scenes = std::string(OMNI_SOURCE_DIR) + "/scenes/";
@@ -123,7 +123,7 @@ TEST_F(ServiceTest, UsesTheOwnersInputMapping) {
   EXPECT_EQ(times("tap"), 0);
   base::KeyStates keys;
   keys.slots[0] = {.press_count = 1, .release_count = 0, .t_press_ns = base::MonotonicNow_ns(), .t_release_ns = 0};
-  service_.SetKeys(keys);
+  service_.device().SetKeys(keys);
   EXPECT_TRUE(Until([&] { return times("key:KEY_B") == 1; }));
   service_.OnRequest(1, SessionOf(SessionState::kBegun), {});
   EXPECT_EQ(Status()["inputs"]["mapping"]["menu"], nlohmann::json({"flick"}));
@@ -224,7 +224,7 @@ TEST_F(ServiceTest, StatusHasAllSectionsAndTheDeviceState) {
   EXPECT_EQ(status["aligned"], false);
   EXPECT_EQ(status["device"]["name"], "quiet");
   EXPECT_EQ(status["device"]["state"], "boot") << "it has not reported its state";
-  service_.Detach("unplugged");
+  service_.device().Detach("unplugged");
   EXPECT_EQ(Status()["device"]["absent"], "unplugged");
   EXPECT_TRUE(loop_->finished());
 }
@@ -268,7 +268,7 @@ TEST_F(HeldPenTest, ScenesAreFreedSafelyWhileTheTickIsInContact) {
   }
   Focus(1);
   ASSERT_TRUE(Until([&] { return InTheTick() == "extrusion.glb"; }));
-  service_.Detach("unplugged");  // while the scene is touched
+  service_.device().Detach("unplugged");  // while the scene is touched
   service_.OnRequest(1, SessionOf(SessionState::kNone), {});
   service_.OnPeriod(base::MonotonicNow_ns());
 }

@@ -320,10 +320,10 @@ class SurfacesOverTheSocket : public testing::Test {
     loop_ = std::make_unique<loop::TickThread>(loop::MakeTickConfig(config::DefaultDevice()),
                                                loop::TickThread::Options{.realtime = false}, source_, sink_);
     loop_->Start();
-    service_.Attach(*loop_, device_);
+    service_.device().Attach(*loop_, device_);
   }
   ~SurfacesOverTheSocket() override {
-    service_.Detach("the test is over");
+    service_.device().Detach("the test is over");
     server_->Stop();
   }
   std::unique_ptr<client::Connection> Connect(const std::string& application, protocol::ClientRole role) {

@@ -40,7 +40,8 @@ struct AlignmentEntry {
   AlignmentDrift drift;
   std::string used;  // when an application last used it, as `date`; empty: not known
   double ErrorNow_mm() const { return 1e3 * ErrorNow_m(1e-3 * expected_error_mm, drift); }
-  bool IsTrusted() const { return !doubtful && !base_moved && !HasDrifted(1e-3 * expected_error_mm, drift); }
+  bool IsDrifted() const { return HasDrifted(1e-3 * expected_error_mm, drift); }
+  bool IsTrusted() const { return !doubtful && !base_moved && !IsDrifted(); }
 };
 
 struct AlignmentFile {

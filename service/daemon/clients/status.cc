@@ -37,11 +37,11 @@ json FaultNames(std::uint32_t faults) {
   return names;
 }
 
-json Device(const StatusInput& input) {
-  if (input.transport == nullptr) return {{"name", nullptr}, {"absent", input.device_absent_why}};
-  const device::TransportCounters counters = input.transport->counters();
-  const device::TransportInfo& info = input.transport->info();
-  const device::TransportState state = input.transport->state();
+json Device(const AttachedDevice::State& device) {
+  if (device.transport == nullptr) return {{"name", nullptr}, {"absent", device.absent_why}};
+  const device::TransportCounters counters = device.transport->counters();
+  const device::TransportInfo& info = device.transport->info();
+  const device::TransportState state = device.transport->state();
   return {{"name", info.name},
           {"serial", info.serial},
           {"simulation", info.simulation},
@@ -121,13 +121,30 @@ json SoftBodies(const SoftProgress& soft) {
 }
 
 // Null: there is no scene, or an application has handed it over as a document.
-json SceneLoad(const std::optional<scene::LoadOptions>& load) {
-  if (!load) return nullptr;
-  const base::Vec3& offset = load->offset_base_m;
-  return {{"touch_untagged", load->touch_untagged},
-          {"fit", load->fit},
-          {"scale", load->scale},
+json SceneLoad(const Client* loader, const ClientScenes& scenes) {
+  if (loader == nullptr || loader->app == nullptr) return nullptr;
+  const scene::LoadOptions load = scenes.LoadOptionsFor(*loader->app);
+  const base::Vec3& offset = load.offset_base_m;
+  return {{"touch_untagged", load.touch_untagged},
+          {"fit", load.fit},
+          {"scale", load.scale},
           {"offset_base_m", {offset.x, offset.y, offset.z}}};
+}
+
+std::uint32_t SculptedOf(const BuiltScene* built) {
+  return built == nullptr || built->scene->live() == nullptr ? 0 : built->scene->live()->sculpt_session_count();
+}
+
+// The one that the tick should have.
+json Scene(const StatusInput& input) {
+  const BuiltScene* felt = input.scenes.felt();
+  const std::uint64_t loader = felt == nullptr ? 0 : felt->client;  // a document's job is no client
+  return {{"name", felt == nullptr ? "" : felt->file},
+          {"generation", input.scenes.generation()},
+          {"load", SceneLoad(input.clients.Find(loader), input.scenes)},
+          {"triangles", felt == nullptr ? 0 : TrianglesOf(*felt->scene)},
+          {"soft_bodies", SoftBodies(input.scenes.ProgressOf(felt))},
+          {"sculpted", SculptedOf(felt)}};
 }
 
 json SourceNames(base::SourceMask mask, const std::string& sign, const std::vector<std::uint16_t>& slots) {
@@ -138,51 +155,57 @@ json SourceNames(base::SourceMask mask, const std::string& sign, const std::vect
   return names;
 }
 
+json KeyDevices(const KeyThread* keys) {
+  json rows = json::array();
+  if (keys == nullptr) return rows;
+  for (const KeyThread::DeviceStatus& device : keys->Status()) {
+    rows.push_back({{"rule", device.rule}, {"paths", device.paths}, {"problem", device.problem}});
+  }
+  return rows;
+}
+
 // Which sources feed each component now; and the state of these sources and of gestures.
-json Inputs(const StatusInput& input) {
+json Inputs(const StatusInput& input, const loop::TickThread* loop, json key_devices) {
   json mapping = json::object();
   json sources = json::array();
-  json devices = json::array();
-  for (const KeyThread::DeviceStatus& device : input.key_devices) {
-    devices.push_back({{"rule", device.rule}, {"paths", device.paths}, {"problem", device.problem}});
-  }
-  if (input.mapping == nullptr || input.key_slots == nullptr) return nullptr;
   for (int i = 0; i < base::kInputComponentCount; ++i) {
     const auto component = static_cast<base::InputComponent>(i);
-    const base::ComponentSources& feeds = input.mapping->at(component);
-    json names = SourceNames(feeds.plus, "", *input.key_slots);
-    for (json& name : SourceNames(feeds.minus, "-", *input.key_slots)) names.push_back(std::move(name));
+    const base::ComponentSources& feeds = input.mapping.at(component);
+    json names = SourceNames(feeds.plus, "", input.key_slots);
+    for (json& name : SourceNames(feeds.minus, "-", input.key_slots)) names.push_back(std::move(name));
     mapping[config::ComponentText(component)] = std::move(names);
   }
-  if (input.loop != nullptr) {
-    const loop::SourceStatistics& state = input.loop->statistics().sources;
+  if (loop != nullptr) {
+    const loop::SourceStatistics& state = loop->statistics().sources;
     const base::SourceMask on = state.on.load(std::memory_order_relaxed);
     const base::SourceMask gestures = Bit(base::InputSource::kThumbstickX) - Bit(base::InputSource::kPress);
-    for (base::SourceMask mask = input.mapping->used() | gestures; mask != 0; mask &= mask - 1) {
+    for (base::SourceMask mask = input.mapping.used() | gestures; mask != 0; mask &= mask - 1) {
       const auto index = static_cast<std::size_t>(__builtin_ctzll(mask));
-      sources.push_back({{"name", config::SourceText(static_cast<base::InputSource>(index), *input.key_slots)},
+      sources.push_back({{"name", config::SourceText(static_cast<base::InputSource>(index), input.key_slots)},
                          {"on", ((on >> index) & 1) != 0},
                          {"times", state.times[index].load(std::memory_order_relaxed)}});
     }
   }
-  return {{"mapping", mapping}, {"sources", sources}, {"devices", devices}};
+  return {{"mapping", mapping}, {"sources", sources}, {"devices", std::move(key_devices)}};
 }
 
-json Clients(const StatusInput& input) {
+json ClientRows(const StatusInput& input) {
   json rows = json::array();
-  for (const StatusInput::ClientRow& row : input.clients) {
-    rows.push_back({{"id", row.id},
-                    {"pid", row.pid},
-                    {"application", row.application},
-                    {"monitor", row.monitor},
-                    {"session", SessionName(row.session)},
-                    {"owner", row.owner},
-                    {"scene", row.scene},
-                    {"soft_bodies", SoftBodies(row.soft)},
-                    {"sculpted", row.sculpted},
-                    {"aligned", row.aligned},
-                    {"runtime", row.runtime},
-                    {"system", row.system}});
+  for (const auto& [id, client] : input.clients.all()) {
+    const std::shared_ptr<const BuiltScene> scene = input.scenes.Of(id);
+    const protocol::BasePoseRequest* request = input.base_poses.RequestOf(id);  // null: no headset reported
+    rows.push_back({{"id", id},
+                    {"pid", client.info.pid},
+                    {"application", client.info.application},
+                    {"monitor", !client.is_application()},
+                    {"session", SessionName(client.session)},
+                    {"owner", id == input.clients.owner_id()},
+                    {"scene", scene == nullptr ? "" : scene->file},
+                    {"soft_bodies", SoftBodies(input.scenes.ProgressOf(id))},
+                    {"sculpted", SculptedOf(scene.get())},
+                    {"aligned", input.base_poses.Aligned(id)},
+                    {"runtime", request == nullptr ? "" : request->headset.runtime},
+                    {"system", request == nullptr ? "" : request->headset.system}});
   }
   return rows;
 }
@@ -208,7 +231,7 @@ json Alignments(const config::AlignmentFile& file) {
                     {"recentred", entry.recentred},
                     {"doubtful", entry.doubtful},
                     {"base_moved", entry.base_moved},
-                    {"drifted", config::HasDrifted(1e-3 * entry.expected_error_mm, entry.drift)},
+                    {"drifted", entry.IsDrifted()},
                     {"starts", entry.drift.starts},
                     {"error_now_mm", entry.ErrorNow_mm()},
                     {"moved_m", MovedSinceMeasured_m(entry)},
@@ -235,32 +258,43 @@ json Stop(const EmergencyStop::State& stop) {
 }  // namespace
 
 std::string WriteStatus(const StatusInput& input) {
+  const EmergencyStop::State& stop = input.stop.state();
   json status = {
       {"service",
        {{"version", input.version}, {"pid", getpid()}, {"uptime_s", input.uptime_s}, {"instance", input.instance}}},
-      {"device", Device(input)},
-      {"stopped", input.stop.on ? json(input.stop.by) : json()},
-      {"stop", Stop(input.stop)},
-      {"calibration", Calibration(input.calibration)},
-      {"calibration_refused", TextOrNull(input.calibration.problem)},
-      {"calibration_misfit", TextOrNull(input.misfit)},
-      {"room", Room(input.room)},
-      {"clients", Clients(input)},
-      {"inputs", Inputs(input)},
-      {"scene",
-       {{"name", input.scene_file},
-        {"generation", input.scene_generation},
-        {"load", SceneLoad(input.scene_load)},
-        {"triangles", input.scene_triangles},
-        {"soft_bodies", SoftBodies(input.scene_soft)},
-        {"sculpted", input.scene_sculpted}}},
+      {"stopped", stop.on ? json(stop.by) : json()},
+      {"stop", Stop(stop)},
+      {"clients", ClientRows(input)},
+      {"scene", Scene(input)},
       {"aligned", input.aligned},
-      {"alignments", Alignments(input.alignments)},
-      {"problems", input.problems}};
-  if (input.loop != nullptr) status["tick"] = Ticks(*input.loop);
-  status["race"] = input.loop == nullptr ? json() : Race(input.loop->statistics().vehicle);
-  // In capitals, which come first in the sorted text that people read.
-  if (input.transport != nullptr && input.transport->info().simulation) status["SIMULATION"] = kSimulationText;
+      {"alignments", Alignments(input.base_poses.file())}};
+  std::vector<std::string> problems = input.problems;
+  const auto report = [&problems](const std::string& what, const std::string& problem) {
+    if (!problem.empty()) problems.push_back(what + problem);
+  };
+  report("", input.stop.Problem());
+  report("alignment: ", input.base_poses.problem());
+  if (input.followed_base.headset() && !input.followed_base.seen()) {
+    report("base: ", "no program reports where it is carried; run `omni follow`, or `omni follow --off` if it stands");
+  }
+  json key_devices = KeyDevices(input.keys);  // not with the device locked
+  input.device.With([&](const AttachedDevice::State& device) {
+    report("calibration: ", device.calibration.problem);
+    report("calibration: ", device.misfit);
+    report("host: ", device.starved);
+    for (const room::RoomFinding& finding : device.room) report("room: ", RoomText(finding));
+    status["device"] = Device(device);
+    status["calibration"] = Calibration(device.calibration);
+    status["calibration_refused"] = TextOrNull(device.calibration.problem);
+    status["calibration_misfit"] = TextOrNull(device.misfit);
+    status["room"] = Room(device.room);
+    status["inputs"] = Inputs(input, device.loop, std::move(key_devices));
+    if (device.loop != nullptr) status["tick"] = Ticks(*device.loop);
+    status["race"] = device.loop == nullptr ? json() : Race(device.loop->statistics().vehicle);
+    // In capitals, which come first in the sorted text that people read.
+    if (device.transport != nullptr && device.transport->info().simulation) status["SIMULATION"] = kSimulationText;
+  });
+  status["problems"] = std::move(problems);
   // Names come from other programs: invalid UTF-8 is replaced, never thrown on.
   return status.dump(-1, ' ', false, json::error_handler_t::replace);
 }

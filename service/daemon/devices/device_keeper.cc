@@ -92,11 +92,11 @@ struct DeviceKeeper::Session {
 };
 
 DeviceKeeper::DeviceKeeper(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink,
-                           Service& service, EndWatch& end)
+                           AttachedDevice& attached, EndWatch& end)
     : options_(options),
       device_(device),
       sink_(sink),
-      service_(service),
+      attached_(attached),
       end_(end),
       magnets_(config::UserMagnetsFile(), config::WriteTextFile) {}
 
@@ -106,7 +106,7 @@ bool DeviceKeeper::Open() {
   const RunOptions options = WithFreeNames(options_);
   auto opened = OpenDevice(options);
   if (!opened.ok()) {
-    service_.Detach(opened.error());
+    attached_.Detach(opened.error());
     const char* next = IsReplay(options_.device) ? "" : "; omnid tries again every second";
     if (opened.error() != reported_) spdlog::error("device: {}{}", opened.error(), next);
     reported_ = opened.error();
@@ -129,9 +129,10 @@ bool DeviceKeeper::Open() {
     }
   }
   SetRoom();
-  service_.SetForceProperties(DescribeForce(config, device_));
+  const protocol::ForceProperties properties = DescribeForce(config, device_);
+  attached_.With([&](auto& state) { state.force_properties = properties; });
   session_->loop.Start();
-  service_.Attach(session_->loop, *session_->opened.transport);
+  attached_.Attach(session_->loop, *session_->opened.transport);
   const std::string& refused = session_->loop.realtime().reason;
   if (session_->WantsRealtime(options_) && !refused.empty()) spdlog::warn("real-time: {}", refused);
   spdlog::info("device: {} (serial {})", session_->opened.transport->info().name, session_->opened.serial);
@@ -154,7 +155,7 @@ loop::TickConfig DeviceKeeper::Calibrated(const std::string& serial) {
     spdlog::info("calibration: never calibrated; measure this base: omni calibrate{}",
                  IsTwin(options_.device) ? " --device twin, with the same --twin and --seed" : "");
   }
-  service_.SetCalibration(choice);
+  attached_.SetCalibration(choice);
   never_calibrated_ = choice.path.empty();
   calibration_path_ = choice.file ? choice.path : std::string();
   calibration_ = choice.file ? std::optional(choice.file->calibration) : std::nullopt;
@@ -168,7 +169,7 @@ void DeviceKeeper::WatchRoom() {
   magnets_.Add(sample.tool, static_cast<std::int64_t>(std::time(nullptr)));
   const bool stored = magnets_.HandleWritten();
   const bool news = room.Add(sample);
-  if (room.field()) service_.SetField(*room.field());
+  if (room.field()) attached_.With([&](auto& state) { state.field = *room.field(); });
   if (!news && !stored) return;
   LogNew(room.findings(), before, spdlog::level::warn, "");
   LogNew(before, room.findings(), spdlog::level::info, "no longer: ");
@@ -178,7 +179,7 @@ void DeviceKeeper::WatchRoom() {
 void DeviceKeeper::SetRoom() {
   std::vector<room::RoomFinding> findings = session_->room.findings();
   if (magnets_.problem()) findings.push_back(*magnets_.problem());
-  service_.SetRoom(std::move(findings));
+  attached_.With([&](auto& state) { state.room = std::move(findings); });
 }
 
 void DeviceKeeper::WatchFit() {
@@ -189,7 +190,7 @@ void DeviceKeeper::WatchFit() {
   session_->misfit_reported = misfit;
   const std::string text =
       misfit ? MisfitText(calibration_path_, never_calibrated_, session_->fit.share()) : std::string();
-  service_.SetMisfit(text);
+  attached_.With([&](auto& state) { state.misfit = text; });
   if (misfit) {
     spdlog::error("calibration: {}", text);
   } else if (!session_->fit.misfit()) {
@@ -203,12 +204,12 @@ void DeviceKeeper::WatchHost() {
   const std::uint64_t superseded = session_->opened.transport->counters().superseded;
   if (!host.Update(ticks.ticks.load(), ticks.late.load(), superseded, base::MonotonicNow_ns())) return;
   if (!host.starved()) {
-    service_.SetStarved("");
+    attached_.With([](auto& state) { state.starved.clear(); });
     spdlog::info("host: keeps up again");
     return;
   }
   const std::string text = StarvedText(host.share());
-  service_.SetStarved(text);
+  attached_.With([&](auto& state) { state.starved = text; });
   spdlog::warn("host: {}", text);
 }
 
@@ -264,7 +265,7 @@ bool DeviceKeeper::Watch() {
 
 void DeviceKeeper::Close(const std::string& why) {
   if (session_ == nullptr) return;
-  service_.Detach(why);  // the loop has ended: no thread reads or writes any more
+  attached_.Detach(why);  // the loop has ended: no thread reads or writes any more
   if (session_->opened.replay != nullptr) {
     const device::ReplayComparison commands = session_->opened.replay->comparison();
     spdlog::info("replay: {} scans; commands: {} as recorded, {} others (by at most {:.3g} A), {} extra, {} missing",

@@ -7,11 +7,11 @@
 
 #include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
+#include "service/daemon/devices/attached_device.h"
 #include "service/daemon/devices/magnet_book.h"
 #include "service/daemon/devices/open_device.h"
 #include "service/daemon/end_watch.h"
 #include "service/daemon/run.h"
-#include "service/daemon/service.h"
 #include "service/loop/tick_config.h"
 #include "service/loop/tick_thread.h"
 
@@ -20,8 +20,8 @@ namespace omni::daemon {
 // Main thread. Everything handed over outlives it.
 class DeviceKeeper {
  public:
-  DeviceKeeper(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink, Service& service,
-               EndWatch& end);
+  DeviceKeeper(const RunOptions& options, const base::DeviceGeometry& device, loop::TickSink& sink,
+               AttachedDevice& attached, EndWatch& end);
   ~DeviceKeeper();
   DeviceKeeper(const DeviceKeeper&) = delete;
   DeviceKeeper& operator=(const DeviceKeeper&) = delete;
@@ -46,7 +46,7 @@ class DeviceKeeper {
   const RunOptions& options_;
   const base::DeviceGeometry& device_;
   loop::TickSink& sink_;
-  Service& service_;
+  AttachedDevice& attached_;
   EndWatch& end_;
   MagnetBook magnets_;
   std::unique_ptr<Session> session_;

@@ -83,9 +83,7 @@ void AppScenes::Request(ipc::ClientId id, AppScene& scene) {
                     .document = scene.document});
 }
 
-void AppScenes::Drop(AppScene& scene) {
-  if (scene.built != nullptr) retired_.push_back(std::exchange(scene.built, nullptr));
-}
+void AppScenes::Drop(AppScene& scene) { handed_.Retire(std::exchange(scene.built, nullptr)); }
 
 bool AppScenes::End(ipc::ClientId id, std::uint32_t number) {
   if (Find(id, number) == nullptr) return false;

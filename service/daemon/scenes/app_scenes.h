@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include "service/daemon/devices/attached_device.h"
 #include "service/daemon/scenes/scene_builder.h"
 #include "service/ipc/server.h"
 #include "service/loop/scene_motion.h"
@@ -20,13 +20,12 @@ namespace omni::daemon {
 
 class AppScenes {
  public:
-  using Retired = std::vector<std::shared_ptr<const BuiltScene>>;
   // Sends a whole message to a client; false: its socket is full, and it is sent in the next period.
   using Send = std::function<bool(ipc::ClientId id, const std::string& message)>;
 
-  // What stops being a client's scene goes to `retired`. Both outlive this.
-  AppScenes(SceneBuilder& builder, double hull_radius_m, Retired& retired, Send send)
-      : builder_(builder), hull_radius_m_(hull_radius_m), retired_(retired), send_(std::move(send)) {}
+  // What stops being a client's scene is retired by `handed`. Both outlive this.
+  AppScenes(SceneBuilder& builder, double hull_radius_m, HandOver<BuiltScene>& handed, Send send)
+      : builder_(builder), hull_radius_m_(hull_radius_m), handed_(handed), send_(std::move(send)) {}
 
   // Job numbers of these scenes, apart from those of the clients' scenes from apps.d.
   static constexpr std::uint64_t kJobBit = std::uint64_t{1} << 63;
@@ -83,7 +82,7 @@ class AppScenes {
 
   SceneBuilder& builder_;
   const double hull_radius_m_;
-  Retired& retired_;
+  HandOver<BuiltScene>& handed_;
   const Send send_;
   std::map<ipc::ClientId, AppScene> scenes_;
   std::uint64_t samples_ = 0;  // poses received so far

@@ -1,0 +1,42 @@
+// Which clients there are, and who owns the force: the application that last became FOCUSED. Pure bookkeeping, control
+// thread only.
+#pragma once
+
+#include <cstdint>
+#include <map>
+
+#include "service/config/files/app_file.h"
+#include "service/ipc/server.h"
+#include "service/protocol/control.h"
+
+namespace omni::daemon {
+
+struct Client {
+  ipc::ClientInfo info;
+  const config::AppEntry* app = nullptr;  // null: no entry matches
+  protocol::SessionState session = protocol::SessionState::kNone;
+  bool session_seen = false;     // one has begun since it connected
+  std::uint64_t focused_at = 0;  // running number of the last change to FOCUSED
+
+  bool is_application() const { return info.role == protocol::ClientRole::kApplication; }
+};
+
+class Clients {
+ public:
+  void Add(const ipc::ClientInfo& info, const config::AppEntry* app) { clients_[info.id] = {.info = info, .app = app}; }
+  void Remove(ipc::ClientId id) { clients_.erase(id); }
+  void SetSession(ipc::ClientId id, protocol::SessionState state);
+
+  // Null: there is no such client.
+  const Client* Find(ipc::ClientId id) const;
+  // The focused application that became so last; null, or 0: none.
+  const Client* owner() const;
+  ipc::ClientId owner_id() const { return owner() == nullptr ? 0 : owner()->info.id; }
+  const std::map<ipc::ClientId, Client>& all() const { return clients_; }
+
+ private:
+  std::map<ipc::ClientId, Client> clients_;
+  std::uint64_t focus_counter_ = 0;
+};
+
+}  // namespace omni::daemon

@@ -1,0 +1,79 @@
+// Which scene each client has: that of its file in apps.d, or one that it has handed over itself; and which of them the
+// tick has. Scenes are built on one thread and sculpted on another; one is freed when neither its client nor the tick
+// has it any more. Control thread only.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "service/daemon/clients/clients.h"
+#include "service/daemon/devices/attached_device.h"
+#include "service/daemon/scenes/app_scenes.h"
+#include "service/daemon/scenes/scene_builder.h"
+#include "service/daemon/scenes/sculpt_thread.h"
+
+namespace omni::daemon {
+
+std::uint32_t TrianglesOf(const haptics::Scene& scene);
+
+class ClientScenes {
+ public:
+  struct Options {
+    double hull_radius_m = 0;
+    std::string cache_folder;  // of built scenes; empty: none
+    std::uint32_t soft_tets = scene::kSoftTets;
+  };
+  // For people: 0 a remark, 1 a warning, 2 an error. `id`: the client that gets it, too; 0: none.
+  using Problem = std::function<void(ipc::ClientId id, int level, const std::string& text)>;
+
+  ClientScenes(const Options& options, Problem problem, AppScenes::Send send);
+
+  // Builds the scene of the client's file.
+  void Request(ipc::ClientId id, const config::AppEntry& app) { builder_.Request(id, app); }
+  // The client no longer wants the scene of its file; Remove: is gone.
+  void Drop(ipc::ClientId id);
+  void Remove(ipc::ClientId id);
+  // Those that clients hand over.
+  AppScenes& documents() { return documents_; }
+  SculptThread& sculpt() { return sculpt_; }
+  // Once per period: what has been built, computed and sculpted meanwhile.
+  void HandleResults();
+
+  // The client's scene, active while it owns the force; null: none.
+  std::shared_ptr<const BuiltScene> Of(ipc::ClientId id) const;
+  // The soft bodies of a scene, null: none; of the client's, or of what is being built for it.
+  SoftProgress ProgressOf(const BuiltScene* scene) const {
+    return builder_.Progress(scene == nullptr ? 0 : scene->client);
+  }
+  SoftProgress ProgressOf(ipc::ClientId id) const;
+  scene::LoadOptions LoadOptionsFor(const config::AppEntry& app) const { return LoadOptionsOf(app, hull_radius_m_); }
+
+  // Makes the owner's scene, 0: none, the one that the tick is to have.
+  void SetOwner(ipc::ClientId owner);
+  // That one; null: none.
+  const BuiltScene* felt() const { return handed_.newest().get(); }
+  std::shared_ptr<const haptics::Scene> felt_scene() const { return felt() == nullptr ? nullptr : felt()->scene; }
+  std::uint64_t generation() const { return handed_.number(); }
+  loop::SceneControl ControlOf(ipc::ClientId owner) const;
+  // `taken`: generation that the tick has acknowledged; none: there is no tick.
+  void Release(std::optional<std::uint64_t> taken);
+
+ private:
+  void TakeFileScene(BuiltScene built);
+  void TakeDocument(BuiltScene built);
+  void ReportSoftBody(const SoftOutcome& soft);
+
+  const double hull_radius_m_;
+  const Problem problem_;
+  SceneBuilder builder_;
+  SculptThread sculpt_;
+  HandOver<BuiltScene> handed_;
+  std::map<ipc::ClientId, std::shared_ptr<const BuiltScene>> files_;  // of clients' files in apps.d
+  AppScenes documents_;
+};
+
+}  // namespace omni::daemon
