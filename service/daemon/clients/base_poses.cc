@@ -32,12 +32,6 @@ std::int64_t UnixSeconds(const std::string& date) {
   return end == nullptr || *end != '\0' ? 0 : static_cast<std::int64_t>(::timegm(&utc));
 }
 
-alignment::Rigid ToRigid(const protocol::WirePose& pose) {
-  const auto& q = pose.orientation_wxyz;
-  const auto& p = pose.position_m;
-  return {.orientation = {q[0], q[1], q[2], q[3]}, .position_m = {p[0], p[1], p[2]}};
-}
-
 alignment::Rigid PoseOf(const config::AlignmentEntry& entry) {
   return {.orientation = entry.orientation_space, .position_m = entry.position_space_m};
 }
@@ -94,6 +88,18 @@ bool SameHeadset(const config::AlignmentEntry& a, const config::AlignmentEntry& 
 }
 
 }  // namespace
+
+alignment::Rigid ToRigid(const protocol::WirePose& pose) {
+  const auto& q = pose.orientation_wxyz;
+  const auto& p = pose.position_m;
+  return {.orientation = {q[0], q[1], q[2], q[3]}, .position_m = {p[0], p[1], p[2]}};
+}
+
+protocol::WirePose ToWire(const alignment::Rigid& pose) {
+  const base::Quat& q = pose.orientation;
+  const base::Vec3& p = pose.position_m;
+  return {.position_m = {p.x, p.y, p.z}, .orientation_wxyz = {q.w, q.x, q.y, q.z}};
+}
 
 BasePoses::BasePoses(std::string path, Write write) : path_(std::move(path)), write_(std::move(write)) {
   if (path_.empty()) return;
@@ -413,12 +419,10 @@ void BasePoses::Notify(const std::function<bool(ipc::ClientId, const protocol::B
     if (const int found = FindFor(client.request); found >= 0) {
       const config::AlignmentEntry& entry = file_.entries[static_cast<std::size_t>(found)];
       const Live& live = live_[static_cast<std::size_t>(found)];
-      const base::Quat& q = entry.orientation_space;
-      const base::Vec3& p = entry.position_space_m;
       base_pose.known = 1;
       base_pose.doubtful = entry.IsTrusted() ? 0 : 1;
       base_pose.space = entry.space;
-      base_pose.base_space = {.position_m = {p.x, p.y, p.z}, .orientation_wxyz = {q.w, q.x, q.y, q.z}};
+      base_pose.base_space = ToWire(PoseOf(entry));
       base_pose.expected_error_m = std::min(1.0, 1e-3 * entry.ErrorNow_mm());
       base_pose.rotation_sigma_rad = entry.rotation_deg / 57.29577951308232;
       base_pose.measured_unix_s = UnixSeconds(entry.date);

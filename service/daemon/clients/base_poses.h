@@ -10,12 +10,16 @@
 #include <string>
 #include <vector>
 
+#include "service/alignment/types.h"
 #include "service/config/files/alignment_file.h"
 #include "service/config/text/text_file.h"
 #include "service/ipc/server.h"
 #include "service/protocol/base_pose.h"
 
 namespace omni::daemon {
+
+alignment::Rigid ToRigid(const protocol::WirePose& pose);
+protocol::WirePose ToWire(const alignment::Rigid& pose);
 
 class BasePoses {
  public:

@@ -3,14 +3,13 @@
 #include <algorithm>
 
 #include "service/alignment/rigid.h"
+#include "service/daemon/clients/base_poses.h"
 
 namespace omni::daemon {
 namespace {
 
 alignment::Rigid PoseOf(const protocol::BaseSample& sample) {
-  const auto& q = sample.orientation_space_wxyz;
-  const auto& p = sample.position_space_m;
-  return {.orientation = {q[0], q[1], q[2], q[3]}, .position_m = {p[0], p[1], p[2]}};
+  return ToRigid({.position_m = sample.position_space_m, .orientation_wxyz = sample.orientation_space_wxyz});
 }
 
 double Norm(const std::array<double, 3>& v) { return base::Norm({v[0], v[1], v[2]}); }
@@ -33,16 +32,15 @@ FollowedBase::Taken FollowedBase::Take(ipc::ClientId id, const protocol::BaseMot
     return Refuse(id, "poses of the base come 1 s late, or more than 0.1 s early", Lost(now_ns));
   }
   if (newest_ && motion.t_ns <= newest_->t_ns) return {};  // two programs' clocks, or the same pose again
-  const alignment::Rigid unit = alignment::Compose(
-      PoseOf({.orientation_space_wxyz = motion.base_space.orientation_wxyz}), {});  // the quaternion to unit length
-  protocol::BaseSample sample{
-      .t_ns = motion.t_ns,
-      .flags = protocol::kBaseSeen,
-      .space = motion.space,
-      .position_space_m = motion.base_space.position_m,
-      .orientation_space_wxyz = {unit.orientation.w, unit.orientation.x, unit.orientation.y, unit.orientation.z},
-      .linear_velocity_space_m_s = motion.linear_velocity_m_s,
-      .angular_velocity_space_rad_s = motion.angular_velocity_rad_s};
+  const protocol::WirePose unit =
+      ToWire(alignment::Compose(ToRigid(motion.base_space), {}));  // the quaternion to unit length
+  protocol::BaseSample sample{.t_ns = motion.t_ns,
+                              .flags = protocol::kBaseSeen,
+                              .space = motion.space,
+                              .position_space_m = motion.base_space.position_m,
+                              .orientation_space_wxyz = unit.orientation_wxyz,
+                              .linear_velocity_space_m_s = motion.linear_velocity_m_s,
+                              .angular_velocity_space_rad_s = motion.angular_velocity_rad_s};
   if (Leaps(sample)) {
     sample.flags |= protocol::kBaseLeapt;
     sample.linear_velocity_space_m_s = sample.angular_velocity_space_rad_s = {};  // where it went to, not how
