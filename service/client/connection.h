@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "service/client/haptic_scene.h"
 #include "service/client/state_reader.h"
 #include "service/client/surface_reader.h"
 #include "service/protocol/app_settings.h"
@@ -17,9 +16,25 @@
 #include "service/protocol/control.h"
 #include "service/protocol/environment.h"
 #include "service/protocol/force_feedback.h"
+#include "service/protocol/haptic_scene.h"
 #include "service/protocol/waveform.h"
 
 namespace omni::client {
+
+// What omnid reports about an application's own scene (protocol/haptic_scene.h).
+struct HapticSceneTable {
+  std::uint32_t number = 0;
+  std::vector<protocol::HapticNodeRow> nodes;  // row i is object i
+  std::vector<base::MaterialParameters> materials;
+};
+
+// Either a state with its text, or a table.
+struct HapticSceneUpdate {
+  bool is_table = false;
+  protocol::HapticSceneState state;
+  std::string text;
+  HapticSceneTable table;
+};
 
 struct ConnectionInfo {
   protocol::ClientRole role = protocol::ClientRole::kApplication;

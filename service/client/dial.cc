@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "service/protocol/packet_socket.h"
 #include "service/protocol/socket_path.h"
 
 namespace omni::client {
@@ -48,6 +49,20 @@ base::Result<UniqueFd> Dial(const std::string& socket_path, const ServerWords& s
                  std::to_string(::geteuid()) + "; stop it or set OMNI_SOCKET"};
   }
   return socket;
+}
+
+bool HandLink::Connect() {
+  if (socket_) return true;
+  auto socket = Dial(path_, {.name = "twin", .remedy = "start omnid --device twin --twin-hand " + path_});
+  problem_ = socket.ok() ? std::string() : socket.error();
+  if (socket.ok()) socket_ = std::move(*socket);
+  return connected();
+}
+
+bool HandLink::Send(const protocol::HandAim& aim) noexcept {
+  if (!socket_) return false;
+  if (protocol::SendPacket(socket_.get(), &aim, sizeof(aim)) == protocol::SendResult::kGone) socket_.Reset();
+  return connected();
 }
 
 }  // namespace omni::client

@@ -1,5 +1,5 @@
 // A program's command line: its commands and options, help as wide as the terminal, wrong words named with the nearest
-// right one, and the exit statuses of exit_status.h. CLI11 does the work, in command.cc and nowhere else: its headers
+// right one, and the exit statuses. CLI11 does the work, in command.cc and nowhere else: its headers
 // take long to compile.
 #pragma once
 
@@ -11,14 +11,24 @@
 #include <type_traits>
 #include <vector>
 
-#include "service/console/exit_status.h"
-
 namespace CLI {
 class App;
 class Option;
 }  // namespace CLI
 
 namespace omni::console {
+
+// What every program of ours means by its exit status; docs/howto/install.md has the table.
+enum ExitStatus : int {
+  kExitOk = 0,
+  kExitFailed = 1,     // something did not work; stderr has one line that says what to do
+  kExitUsage = 2,      // wrong arguments
+  kExitNoService = 3,  // omnid does not run, or does not answer
+};
+
+// For --help.
+inline constexpr const char* kExitStatusHelp =
+    "Exit status: 0 it worked; 1 something did not, stderr says what to do; 2 wrong arguments; 3 omnid does not run.";
 
 // An option, flag or positional argument of a command: a handle that is valid as long as its program.
 class Option {

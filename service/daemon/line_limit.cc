@@ -1,4 +1,4 @@
-#include "service/daemon/line_limit.h"
+#include "service/daemon/log_queue.h"
 
 #include <algorithm>
 #include <utility>

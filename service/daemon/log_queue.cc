@@ -26,7 +26,6 @@
 #include "service/base/clock.h"
 #include "service/base/priority_mutex.h"
 #include "service/base/unique_fd.h"
-#include "service/daemon/line_limit.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #include <sanitizer/common_interface_defs.h>

@@ -3,9 +3,7 @@
 #include <string>
 
 #include "service/console/command.h"
-#include "service/daemon/check_options.h"
 #include "service/daemon/devices/open_device.h"
-#include "service/daemon/options.h"
 #include "service/daemon/run.h"
 
 namespace {

@@ -21,7 +21,7 @@
 #include "service/daemon/end_watch.h"
 #include "service/daemon/log_queue.h"
 #include "service/daemon/service.h"
-#include "service/ipc/activation.h"
+#include "service/ipc/listener.h"
 #include "service/loop/tick_config.h"
 
 namespace omni::daemon {

@@ -4,6 +4,12 @@
 #include <cstdint>
 #include <string>
 
+#include "service/base/result.h"
+
+namespace omni::console {
+class Program;
+}
+
 namespace omni::daemon {
 
 struct RunOptions {
@@ -30,5 +36,28 @@ struct RunOptions {
 
 // Exit status for main: 0 after a signal or a replay's end, 1 with a message otherwise.
 int Run(const RunOptions& options);
+
+// omnid's command line.
+
+inline constexpr const char* kOmnidAbout =
+    "omnid: tracks the pen, renders forces, serves OpenXR applications through the Omni layer";
+
+// Parsing `omnid` writes into `options`.
+void AddOptions(console::Program& omnid, RunOptions& options);
+
+// Checks of omnid's options before anything starts.
+
+// "--OPTION: FILE: what is wrong, what to do" for a file that is missing, malformed or cannot be written, and for
+// options of the twin without the twin. Empty: no problem. Makes no file and opens no device.
+std::string OptionsProblem(const RunOptions& options);
+
+// Removes the files that --replace lets recordings replace. Only after OptionsProblem had none.
+base::Status MakeWay(const RunOptions& options);
+
+// The same with names of recordings that are free: a base that comes back is recorded to FILE.2, FILE.3, ...
+RunOptions WithFreeNames(RunOptions options);
+
+// Only the check that --twin and --ideal come with --device twin.
+std::string TwinChoiceProblem(const RunOptions& options);
 
 }  // namespace omni::daemon

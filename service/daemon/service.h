@@ -14,7 +14,6 @@
 #include "service/config/files/app_file.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/inputs/input_settings.h"
-#include "service/daemon/clients/base_pose_writer.h"
 #include "service/daemon/clients/base_poses.h"
 #include "service/daemon/clients/clients.h"
 #include "service/daemon/clients/emergency_stop.h"

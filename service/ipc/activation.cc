@@ -1,4 +1,4 @@
-#include "service/ipc/activation.h"
+#include "service/ipc/listener.h"
 
 #include <fcntl.h>
 #include <sys/socket.h>

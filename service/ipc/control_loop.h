@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "service/ipc/listener.h"
-#include "service/ipc/log_lines.h"
 #include "service/ipc/peer.h"
 #include "service/ipc/server.h"
 #include "service/protocol/validate.h"

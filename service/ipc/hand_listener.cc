@@ -1,4 +1,4 @@
-#include "service/ipc/hand_listener.h"
+#include "service/ipc/listener.h"
 
 #include <sys/socket.h>
 #include <sys/stat.h>

@@ -43,7 +43,7 @@ class ServerHandler {
 
 struct ServerOptions {
   std::string socket_path;  // empty: same rule as client::DefaultSocketPath
-  int inherited_fd = -1;    // listens on socket_path already (ipc/activation.h); becomes the server's. < 0: it binds
+  int inherited_fd = -1;    // listens on socket_path already (ipc/listener.h); becomes the server's. < 0: it binds
   std::int64_t period_ns = 10'000'000;
   int max_clients = 32;                           // further ones are rejected with a reason
   std::uint64_t service_instance = 0;             // the one of the state memory, not 0

@@ -18,7 +18,7 @@
 #include "service/monitor/page/page_requests.h"
 #include "service/monitor/page/page_text.h"
 #include "service/monitor/trial/trial.h"
-#include "service/monitor/view/scene_loads.h"
+#include "service/monitor/view/scene_view.h"
 #include "service/monitor/view/surface_copies.h"
 #include "service/monitor/web/web_server.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "service/console/pages.h"
-#include "service/daemon/options.h"
+#include "service/daemon/run.h"
 #include "service/tools/common/command_line.h"
 
 namespace {

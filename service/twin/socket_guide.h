@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "service/ipc/hand_listener.h"
+#include "service/ipc/listener.h"
 #include "service/sim/hand/hand_guide.h"
 
 namespace omni::twin {

@@ -9,7 +9,7 @@
 
 #include "service/haptics/sculpt/mesh/check_manifold.h"
 #include "service/haptics/sculpt/sculpt_query.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "tests/bench/arguments.h"
 #include "tests/bench/printed_rows.h"
 #include "tests/support/touch/sculpt_hand.h"

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <utility>
 
-#include "service/daemon/clients/base_pose_writer.h"
+#include "service/daemon/clients/base_poses.h"
 #include "tests/daemon/base_pose_scenario.h"
 
 namespace omni::daemon {

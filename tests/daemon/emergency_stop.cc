@@ -12,7 +12,7 @@
 #include "service/base/clock.h"
 #include "service/client/connection.h"
 #include "service/config/files/device_file.h"
-#include "service/daemon/devices/transport_tick_source.h"
+#include "service/daemon/devices/attached_device.h"
 #include "service/daemon/service.h"
 #include "service/ipc/server.h"
 #include "service/ipc/state_publisher.h"

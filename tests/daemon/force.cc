@@ -7,7 +7,6 @@
 
 #include "service/config/files/device_file.h"
 #include "service/daemon/clients/force_clients.h"
-#include "service/daemon/clients/force_properties.h"
 #include "service/loop/tick_config.h"
 #include "service/magnetics/nominal.h"
 

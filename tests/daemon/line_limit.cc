@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "service/daemon/line_limit.h"
+#include "service/daemon/log_queue.h"
 
 namespace omni::daemon {
 namespace test_daemon_line_limit {

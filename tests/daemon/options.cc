@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "service/daemon/check_options.h"
+#include "service/daemon/run.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::daemon {

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "service/base/files/new_file.h"
-#include "service/daemon/check_options.h"
+#include "service/daemon/run.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::daemon {

@@ -11,7 +11,7 @@
 
 #include "service/base/clock.h"
 #include "service/config/files/device_file.h"
-#include "service/daemon/devices/transport_tick_source.h"
+#include "service/daemon/devices/attached_device.h"
 #include "service/daemon/service.h"
 #include "service/loop/tick_config.h"
 #include "tests/support/held_pen.h"

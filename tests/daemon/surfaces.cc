@@ -8,7 +8,7 @@
 #include "service/client/connection.h"
 #include "service/client/surface_reader.h"
 #include "service/config/files/device_file.h"
-#include "service/daemon/devices/transport_tick_source.h"
+#include "service/daemon/devices/attached_device.h"
 #include "service/daemon/scenes/surface_clients.h"
 #include "service/daemon/scenes/surface_thread.h"
 #include "service/daemon/service.h"

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "service/tools/hand/person.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 #include "tests/support/rig/guided_hand_scenario.h"
 
 namespace omni::test {

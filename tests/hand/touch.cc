@@ -7,7 +7,7 @@
 
 #include "service/haptics/scene/scene.h"
 #include "service/tools/hand/person.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/rig/guided_hand_scenario.h"
 

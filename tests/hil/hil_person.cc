@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "service/base/clock.h"
-#include "service/client/hand_link.h"
+#include "service/client/dial.h"
 #include "service/config/files/device_file.h"
-#include "service/tools/calibrate/calibrate_hand.h"
+#include "service/tools/calibrate/calibrate_twin.h"
 #include "tests/support/process/child_process.h"
 
 namespace omni::hil {

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "service/config/files/device_file.h"
-#include "service/tools/calibrate/calibrate_hand.h"
-#include "service/tools/twin/hand_path.h"
+#include "service/tools/calibrate/calibrate_twin.h"
+#include "service/tools/hand/touch_places.h"
 #include "tests/support/process/child_process.h"
 #include "tests/support/process/temp_folder.h"
 

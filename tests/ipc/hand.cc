@@ -11,8 +11,8 @@
 #include <random>
 #include <string>
 
-#include "service/client/hand_link.h"
-#include "service/ipc/hand_listener.h"
+#include "service/client/dial.h"
+#include "service/ipc/listener.h"
 #include "service/protocol/socket_path.h"
 #include "tests/support/process/temp_folder.h"
 

@@ -1,5 +1,5 @@
 // omni try: the hand pushes with what the base can make, and no more.
-#include "service/monitor/trial/aim_limit.h"
+#include "service/monitor/trial/trial.h"
 
 #include <gtest/gtest.h>
 

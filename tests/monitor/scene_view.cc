@@ -9,7 +9,6 @@
 #include <set>
 #include <string>
 
-#include "service/monitor/view/scene_loads.h"
 #include "service/scene/glb_save.h"
 
 namespace omni::monitor {

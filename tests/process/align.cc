@@ -15,9 +15,9 @@
 #include "service/config/files/alignment_file.h"
 #include "service/config/files/marks_file.h"
 #include "service/protocol/text.h"
-#include "service/tools/align/align_service.h"
+#include "service/tools/align/align.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/service_link.h"
-#include "service/tools/common/text_output.h"
 #include "tests/support/process/omni_command.h"
 #include "tests/support/process/service_process.h"
 

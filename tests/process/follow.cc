@@ -12,9 +12,9 @@
 #include "service/alignment/rigid.h"
 #include "service/config/files/follow_file.h"
 #include "service/protocol/text.h"
-#include "service/tools/align/align_service.h"
+#include "service/tools/align/align.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/service_link.h"
-#include "service/tools/common/text_output.h"
 #include "tests/support/process/service_process.h"
 
 namespace omni::test {

@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "service/client/hand_link.h"
+#include "service/client/dial.h"
 #include "tests/support/process/service_process.h"
 
 namespace omni::test {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "service/loop/realtime.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "tests/support/process/force_process.h"
 
 namespace omni::test {

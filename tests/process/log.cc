@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "service/base/clock.h"
-#include "service/daemon/line_limit.h"
+#include "service/daemon/log_queue.h"
 #include "service/tools/common/service_link.h"
 #include "tests/support/process/service_end.h"
 #include "tests/support/process/service_process.h"

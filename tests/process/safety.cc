@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "tests/support/process/forked.h"
 #include "tests/support/process/service_process.h"
 

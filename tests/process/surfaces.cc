@@ -6,7 +6,7 @@
 
 #include "service/scene/glb_save.h"
 #include "service/scene/scene_file.h"
-#include "service/tools/surfaces/surfaces_save.h"
+#include "service/tools/surfaces/surfaces.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/process/service_process.h"
 

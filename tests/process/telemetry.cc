@@ -7,7 +7,7 @@
 
 #include "service/monitor/page/channels.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/csv_table.h"
+#include "service/tools/common/files.h"
 #include "tests/support/process/omni_command.h"
 #include "tests/support/process/service_process.h"
 

@@ -7,11 +7,8 @@
 
 #include "service/alignment/kabsch.h"
 #include "service/alignment/rigid.h"
-#include "service/tools/align/align_nudge.h"
-#include "service/tools/align/align_probe.h"
-#include "service/tools/align/align_service.h"
-#include "service/tools/align/align_text.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/align/align.h"
+#include "service/tools/common/row_table.h"
 #include "tests/support/rig/align_simulation.h"
 
 namespace omni::tools {

@@ -8,8 +8,7 @@
 
 #include "firmware/wire/names.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/device/device_command.h"
-#include "service/tools/device/device_text.h"
+#include "service/tools/device/device.h"
 #include "tests/support/chips/fake_usb.h"
 
 namespace omni::tools {

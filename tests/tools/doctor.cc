@@ -6,8 +6,7 @@
 #include <fstream>
 
 #include "service/tools/doctor/diagnosis.h"
-#include "service/tools/doctor/doctor_text.h"
-#include "service/tools/doctor/library_check.h"
+#include "service/tools/doctor/elf_file.h"
 #include "service/tools/doctor/openxr_manifests.h"
 #include "tests/support/process/temp_folder.h"
 

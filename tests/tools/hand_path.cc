@@ -1,5 +1,5 @@
 // The hand that touches any model: where it presses.
-#include "service/tools/twin/hand_path.h"
+#include "service/tools/hand/touch_places.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,6 @@
 #include <set>
 
 #include "service/tools/doctor/diagnosis.h"
-#include "service/tools/doctor/openxr_loader.h"
 #include "service/tools/doctor/openxr_manifests.h"
 #include "tests/support/process/scoped_variable.h"
 #include "tests/support/process/temp_folder.h"

@@ -10,7 +10,7 @@
 #include "service/loop/tick_config.h"
 #include "service/sim/twin/twin.h"
 #include "service/tools/recordings/report.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 #include "tests/support/process/temp_folder.h"
 #include "tests/support/rig/rig.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "service/daemon/options.h"
+#include "service/daemon/run.h"
 #include "service/tools/common/command_line.h"
 #include "tests/support/process/temp_folder.h"
 

@@ -10,11 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "service/tools/common/row_table.h"
-#include "service/tools/common/statistics.h"
 #include "service/tools/recordings/report.h"
-#include "service/tools/recordings/run_picture.h"
-#include "service/tools/recordings/scene_drawing.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::tools {

@@ -11,8 +11,8 @@
 
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/files.h"
-#include "service/tools/scene/scene_edit.h"
-#include "service/tools/status/status_text.h"
+#include "service/tools/scene/scene.h"
+#include "service/tools/status/status.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::tools {

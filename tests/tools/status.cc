@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/tools/status/status_text.h"
+#include "service/tools/status/status.h"
 
 namespace omni::tools {
 namespace test_tools_status {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/protocol/surfaces/surface_memory.h"
-#include "service/tools/surfaces/surfaces_view.h"
+#include "service/tools/surfaces/surfaces.h"
 
 namespace omni::tools {
 namespace test_tools_surfaces {

@@ -10,7 +10,7 @@
 #include "service/scene/glb_save.h"
 #include "service/scene/scene_file.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/surfaces/surfaces_save.h"
+#include "service/tools/surfaces/surfaces.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::tools {

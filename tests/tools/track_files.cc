@@ -4,9 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "service/tools/track/track_device.h"
-#include "service/tools/track/track_magnet16.h"
-#include "service/tools/track/track_recording.h"
+#include "service/tools/track/track.h"
 #include "service/tools/track/track_table.h"
 #include "tests/support/process/temp_folder.h"
 

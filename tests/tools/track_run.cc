@@ -9,7 +9,7 @@
 #include "service/config/files/device_file.h"
 #include "service/magnetics/disc_magnet.h"
 #include "service/magnetics/nominal.h"
-#include "service/tools/track/track_run.h"
+#include "service/tools/track/track.h"
 #include "tests/support/numeric.h"
 #include "tests/support/rig/rig.h"
 

@@ -5,10 +5,9 @@
 #include <limits>
 #include <sstream>
 
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/service_link.h"
-#include "service/tools/status/status_text.h"
-#include "service/tools/status/watch_view.h"
+#include "service/tools/status/status.h"
 
 namespace omni::tools {
 namespace test_tools_views {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "service/base/eigen.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "service/tracker/filter/filter.h"
 
 namespace omni::tracker {

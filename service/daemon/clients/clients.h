@@ -39,4 +39,27 @@ class Clients {
   std::uint64_t focus_counter_ = 0;
 };
 
+inline void Clients::SetSession(ipc::ClientId id, protocol::SessionState state) {
+  const auto found = clients_.find(id);
+  if (found == clients_.end()) return;
+  Client& client = found->second;
+  if (state == protocol::SessionState::kFocused && client.session != state) client.focused_at = ++focus_counter_;
+  client.session = state;
+  client.session_seen = client.session_seen || state != protocol::SessionState::kNone;
+}
+
+inline const Client* Clients::Find(ipc::ClientId id) const {
+  const auto found = clients_.find(id);
+  return found == clients_.end() ? nullptr : &found->second;
+}
+
+inline const Client* Clients::owner() const {
+  const Client* newest = nullptr;
+  for (const auto& [id, client] : clients_) {
+    const bool may_own = client.is_application() && client.session == protocol::SessionState::kFocused;
+    if (may_own && (newest == nullptr || client.focused_at > newest->focused_at)) newest = &client;
+  }
+  return newest;
+}
+
 }  // namespace omni::daemon

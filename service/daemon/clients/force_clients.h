@@ -8,8 +8,11 @@
 #include <map>
 #include <optional>
 
+#include "service/base/device_geometry.h"
 #include "service/haptics/applied/applied.h"
 #include "service/ipc/server.h"
+#include "service/loop/tick.h"
+#include "service/protocol/force_feedback.h"
 
 namespace omni::daemon {
 
@@ -54,5 +57,10 @@ class ForceClients {
   protocol::ForceProperties properties_;
   std::uint64_t properties_number_ = 1;
 };
+
+// What forces a device can make, as reported to applications.
+
+// Off the tick: some thousand evaluations of the force map.
+protocol::ForceProperties DescribeForce(const loop::TickConfig& config, const base::DeviceGeometry& device);
 
 }  // namespace omni::daemon

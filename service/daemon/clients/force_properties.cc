@@ -1,4 +1,4 @@
-#include "service/daemon/clients/force_properties.h"
+#include "service/daemon/clients/force_clients.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "service/daemon/keys/key_ports.h"
+#include "service/daemon/keys/key_thread.h"
 
 #include <fcntl.h>
 #include <fnmatch.h>

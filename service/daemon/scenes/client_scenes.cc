@@ -5,7 +5,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "service/haptics/scene.h"
+#include "service/haptics/scene/scene.h"
 
 namespace omni::daemon {
 

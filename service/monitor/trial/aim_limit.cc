@@ -1,4 +1,4 @@
-#include "service/monitor/trial/aim_limit.h"
+#include "service/monitor/trial/trial.h"
 
 #include <algorithm>
 #include <cmath>

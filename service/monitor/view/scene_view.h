@@ -3,6 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <future>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,5 +44,31 @@ struct SceneView {
 // the file is large.
 base::Result<SceneView> LoadSceneView(const std::string& path, const std::string& name,
                                       const scene::LoadOptions& options, bool fit_untagged = false);
+
+// Loads scene files for drawing on a thread of its own, one after another: the page goes on meanwhile.
+struct SceneFileRequest {
+  std::uint32_t number = 0;  // comes back
+  std::string path, name;
+  scene::LoadOptions options;
+  bool fit_untagged = false;  // as LoadSceneView's
+};
+
+struct LoadedView {
+  std::uint32_t number = 0;
+  std::shared_ptr<const SceneView> view;  // null: failed
+  std::string error;
+};
+
+class SceneLoads {
+ public:
+  // Replaces a request that has not begun.
+  void Request(SceneFileRequest request) { wanted_ = std::move(request); }
+  // A finished one, if any; begins the next. Does not wait.
+  std::optional<LoadedView> Poll();
+
+ private:
+  std::optional<SceneFileRequest> wanted_;
+  std::future<LoadedView> running_;  // its destructor waits for the thread
+};
 
 }  // namespace omni::monitor

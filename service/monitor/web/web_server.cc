@@ -18,7 +18,6 @@
 
 #include "service/base/clock.h"
 #include "service/monitor/web/access.h"
-#include "service/monitor/web/peer_user.h"
 
 namespace omni::monitor {
 namespace {

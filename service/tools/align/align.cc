@@ -1,4 +1,6 @@
 // omni align: measures where the base is in a headset's space; omnid stores the result.
+#include "service/tools/align/align.h"
+
 #include <termios.h>
 #include <unistd.h>
 
@@ -11,15 +13,9 @@
 #include "service/alignment/rigid.h"
 #include "service/base/clock.h"
 #include "service/protocol/text.h"
-#include "service/tools/align/align_nudge.h"
-#include "service/tools/align/align_run.h"
-#include "service/tools/align/align_service.h"
-#include "service/tools/align/align_text.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/service_link.h"
-#include "service/tools/common/text_output.h"
 
 namespace omni::tools {
 namespace {

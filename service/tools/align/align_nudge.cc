@@ -1,4 +1,4 @@
-#include "service/tools/align/align_nudge.h"
+#include "service/tools/align/align.h"
 
 #include <algorithm>
 

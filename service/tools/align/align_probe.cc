@@ -1,4 +1,4 @@
-#include "service/tools/align/align_probe.h"
+#include "service/tools/align/align.h"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,4 +1,4 @@
-#include "service/tools/align/align_run.h"
+#include "service/tools/align/align.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +10,8 @@
 #include "service/alignment/rigid.h"
 #include "service/base/clock.h"
 #include "service/console/wrap.h"
-#include "service/tools/align/align_probe.h"
-#include "service/tools/align/align_text.h"
-#include "service/tools/common/progress.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/terminal.h"
-#include "service/tools/common/text_output.h"
 
 namespace omni::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "service/tools/align/align_service.h"
+#include "service/tools/align/align.h"
 
 #include <chrono>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "service/base/clock.h"
 #include "service/config/runtime_identity.h"
 #include "service/protocol/text.h"
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 
 namespace omni::tools {
 namespace {

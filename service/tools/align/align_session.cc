@@ -1,4 +1,4 @@
-#include "service/tools/align/align_session.h"
+#include "service/tools/align/align.h"
 
 #include <algorithm>
 #include <cmath>

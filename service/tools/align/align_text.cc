@@ -1,4 +1,4 @@
-#include "service/tools/align/align_text.h"
+#include "service/tools/align/align.h"
 
 #include <cmath>
 #include <numbers>
@@ -7,8 +7,7 @@
 
 #include "service/alignment/rigid.h"
 #include "service/protocol/base_pose.h"
-#include "service/tools/common/json_text.h"
-#include "service/tools/common/text_output.h"
+#include "service/tools/common/output.h"
 
 namespace omni::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "service/tools/calibrate/calibrate_device.h"
+#include "service/tools/calibrate/calibrate_session.h"
 
 #include <string>
 

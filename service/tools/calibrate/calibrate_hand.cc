@@ -1,4 +1,4 @@
-#include "service/tools/calibrate/calibrate_hand.h"
+#include "service/tools/calibrate/calibrate_twin.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "service/tools/calibrate/calibrate_text.h"
+#include "service/tools/calibrate/calibrate_session.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "service/tools/calibrate/calibrate_tip.h"
+#include "service/tools/calibrate/calibrate_session.h"
 
 #include <cmath>
 #include <string>

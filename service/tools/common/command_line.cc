@@ -3,8 +3,6 @@
 #include <exception>
 #include <string>
 
-#include "service/tools/common/commands.h"
-
 namespace omni::tools {
 namespace {
 

@@ -5,12 +5,9 @@
 
 #include "service/console/wrap.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/service_link.h"
-#include "service/tools/device/device_command.h"
-#include "service/tools/device/device_held.h"
-#include "service/tools/device/device_json.h"
-#include "service/tools/device/device_text.h"
+#include "service/tools/device/device.h"
 
 namespace omni::tools {
 namespace {

@@ -1,14 +1,12 @@
 // omni device list|info|selftest|flash-help|estop: bases on USB.
-#include "service/tools/device/device_command.h"
+#include "service/tools/device/device.h"
 
 #include <iostream>
 #include <memory>
 #include <string>
 
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
-#include "service/tools/common/text_output.h"
-#include "service/tools/device/device_text.h"
+#include "service/tools/common/output.h"
 
 namespace omni::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "service/tools/device/device_held.h"
+#include "service/tools/device/device.h"
 
 #include <cstdio>
 
@@ -7,7 +7,7 @@
 #include "firmware/wire/names.h"
 #include "service/device/base_notes.h"
 #include "service/protocol/text.h"
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 
 namespace omni::tools {
 namespace {

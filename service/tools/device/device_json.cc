@@ -1,4 +1,4 @@
-#include "service/tools/device/device_json.h"
+#include "service/tools/device/device.h"
 
 #include <nlohmann/json.hpp>
 

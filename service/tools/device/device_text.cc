@@ -1,4 +1,4 @@
-#include "service/tools/device/device_text.h"
+#include "service/tools/device/device.h"
 
 #include <cstdio>
 #include <string>
@@ -8,7 +8,7 @@
 #include "firmware/wire/scaling.h"
 #include "service/console/wrap.h"
 #include "service/device/base_notes.h"
-#include "service/tools/common/text_output.h"
+#include "service/tools/common/output.h"
 
 namespace omni::tools {
 namespace {

@@ -5,14 +5,13 @@
 #include "service/base/clock.h"
 #include "service/base/files/new_file.h"
 #include "service/config/files/device_file.h"
-#include "service/daemon/check_options.h"
 #include "service/daemon/devices/open_device.h"
+#include "service/daemon/run.h"
 #include "service/device/recording/recording_reader.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/terminal.h"
-#include "service/tools/common/text_output.h"
-#include "service/tools/recordings/replay_text.h"
+#include "service/tools/recordings/report.h"
 
 namespace omni::tools {
 namespace {

@@ -8,7 +8,7 @@
 #include "service/config/paths.h"
 #include "service/protocol/socket_path.h"
 #include "service/tools/common/service_link.h"
-#include "service/tools/doctor/openxr_loader.h"
+#include "service/tools/doctor/openxr_manifests.h"
 
 namespace omni::tools {
 namespace {

@@ -1,4 +1,4 @@
-// omni doctor: one file per diagnosis. Each checks one thing and reports the finding in one sentence, with a fix.
+// omni doctor: each diagnosis checks one thing and reports the finding in one sentence, with a fix.
 #pragma once
 
 #include <filesystem>
@@ -88,5 +88,20 @@ Finding LintDuplicates(const Surroundings& surroundings);
 Finding LintExplicitLayerArchitectures(const Surroundings& surroundings);
 Finding LintOrdering(const Surroundings& surroundings);
 Finding LintSkippedByLoader(const Surroundings& surroundings);
+
+// Findings of `omni doctor` as text and as JSON.
+struct Diagnosed {
+  std::string name;
+  Finding finding;
+};
+
+// Every diagnosis once, in the table's order.
+std::vector<Diagnosed> Diagnose(const Surroundings& surroundings);
+
+// `status` is omnid's, null if it does not run: a simulation is reported first.
+std::string DoctorText(const std::vector<Diagnosed>& findings, const nlohmann::json& status);
+nlohmann::json DoctorJson(const std::vector<Diagnosed>& findings, const nlohmann::json& status);
+
+bool AnyFailed(const std::vector<Diagnosed>& findings);
 
 }  // namespace omni::tools

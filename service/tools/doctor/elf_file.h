@@ -1,4 +1,4 @@
-// Architecture, dependencies and exports of a shared library, read from its file without running it.
+// Shared libraries, examined as files and as the OpenXR loader does.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 
 namespace omni::tools {
 
+// Architecture, dependencies and exports of a shared library, read from its file without running it.
 struct ElfFile {
   std::uint64_t bytes = 0;
   int bits = 0;               // 32 or 64
@@ -27,5 +28,10 @@ base::Result<ElfFile> ReadElfFile(const std::string& path);
 
 // The contents of an ElfFile as lines of text.
 std::string DescribeElf(const ElfFile& file);
+
+// Whether a shared library can be opened and exports a function, checked as the OpenXR loader does.
+
+// Empty: both hold. The library is opened in this process and closed again.
+std::string LibraryProblem(const std::string& library, const std::string& function);
 
 }  // namespace omni::tools

@@ -58,4 +58,9 @@ std::filesystem::path ActiveRuntime(const Surroundings& surroundings);
 // library_path as the loader resolves it: below the manifest's folder when relative with a slash, verbatim otherwise.
 std::string ResolveLibrary(const std::filesystem::path& manifest, const std::string& library_path);
 
+// Asks the OpenXR loader of this machine which layers it finds.
+
+// Opens libopenxr_loader.so.1, as an application would, with the environment of this process; no runtime is started.
+LoaderAnswer QueryLoader();
+
 }  // namespace omni::tools

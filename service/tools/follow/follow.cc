@@ -11,13 +11,11 @@
 #include "service/config/files/follow_file.h"
 #include "service/config/paths.h"
 #include "service/config/text/text_file.h"
-#include "service/tools/align/align_text.h"
+#include "service/tools/align/align.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/service_link.h"
 #include "service/tools/common/terminal.h"
-#include "service/tools/common/text_output.h"
 #include "service/tools/follow/mount.h"
 
 namespace omni::tools {

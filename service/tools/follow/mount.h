@@ -7,8 +7,7 @@
 #include "service/alignment/rigid.h"
 #include "service/base/result.h"
 #include "service/protocol/base_pose.h"
-#include "service/tools/align/align_probe.h"
-#include "service/tools/align/align_service.h"
+#include "service/tools/align/align.h"
 
 namespace omni::tools {
 

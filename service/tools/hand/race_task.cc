@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "service/tools/common/text_output.h"
+#include "service/tools/common/output.h"
 
 namespace omni::tools {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "service/haptics/scene/scene.h"
 #include "service/tools/hand/car_driver.h"
-#include "service/tools/hand/moving_aim.h"
+#include "service/tools/hand/hand_task.h"
 
 namespace omni::tools {
 

@@ -4,8 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "service/base/result.h"
 #include "service/base/vec.h"
 #include "service/haptics/scene/scene.h"
+#include "service/sim/twin/twin.h"
 
 namespace omni::tools {
 
@@ -28,5 +30,17 @@ std::vector<TouchPlace> FindTouchPlaces(const haptics::Scene& scene, const Place
 
 // Error text for when FindTouchPlaces finds nothing.
 std::string NothingWithinReach(const PlaceOptions& options);
+
+// A hand path that touches any scene, found from its height map; for the twin and for demos of unknown files.
+struct HandPathOptions {
+  PlaceOptions places;
+  double press_m = 0.005;  // how far below the surface the hand aims
+};
+
+// Approaches, presses, slides to the next point. Error if nothing of the scene is within reach; it states the reach.
+base::Result<sim::HandScript> MakeHandPath(const haptics::Scene& scene, const HandPathOptions& options);
+
+// The JSON text that sim::LoadHandScript reads.
+std::string WriteHandScript(const sim::HandScript& script);
 
 }  // namespace omni::tools

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "service/haptics/scene/scene.h"
-#include "service/tools/hand/moving_aim.h"
+#include "service/tools/hand/hand_task.h"
 #include "service/tools/hand/touch_places.h"
 
 namespace omni::tools {

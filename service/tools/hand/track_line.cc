@@ -1,4 +1,4 @@
-#include "service/tools/hand/track_line.h"
+#include "service/tools/hand/car_driver.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,9 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
-#include "service/tools/common/json_text.h"
-#include "service/tools/common/text_output.h"
+#include "service/tools/common/output.h"
 #include "service/tools/doctor/elf_file.h"
 #include "service/tools/layer/layer_store.h"
 

@@ -11,7 +11,7 @@
 #include "service/base/files/read_file.h"
 #include "service/base/files/whole_file.h"
 #include "service/tools/common/files.h"
-#include "service/tools/doctor/library_check.h"
+#include "service/tools/doctor/elf_file.h"
 
 namespace omni::tools {
 namespace {

@@ -1,4 +1,6 @@
 // omni monitor: the live page of a running omnid.
+#include "service/tools/monitor/monitor.h"
+
 #include <cstdio>
 #include <limits>
 #include <memory>
@@ -10,12 +12,9 @@
 #include "service/config/files/device_file.h"
 #include "service/monitor/monitor.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
 #include "service/tools/common/service_link.h"
 #include "service/tools/common/terminal.h"
-#include "service/tools/monitor/page_folder.h"
-#include "service/tools/monitor/telemetry_file.h"
-#include "service/tools/setup/setup_steps.h"
+#include "service/tools/setup/setup.h"
 
 namespace omni::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "service/tools/monitor/telemetry_file.h"
+#include "service/tools/monitor/monitor.h"
 
 #include <cerrno>
 #include <chrono>

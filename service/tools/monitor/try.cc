@@ -15,12 +15,10 @@
 #include "service/monitor/monitor.h"
 #include "service/sim/twin/twin.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
 #include "service/tools/common/terminal.h"
-#include "service/tools/monitor/page_folder.h"
-#include "service/tools/monitor/trial_service.h"
-#include "service/tools/scene/scene_source.h"
-#include "service/tools/setup/setup_steps.h"
+#include "service/tools/monitor/monitor.h"
+#include "service/tools/scene/scene.h"
+#include "service/tools/setup/setup.h"
 
 namespace omni::tools {
 namespace {

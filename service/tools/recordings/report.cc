@@ -7,7 +7,7 @@
 
 #include "service/base/tool_state.h"
 #include "service/tools/common/files.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 
 namespace omni::tools {
 namespace {

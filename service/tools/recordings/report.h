@@ -9,7 +9,9 @@
 
 #include "service/base/result.h"
 #include "service/base/vec.h"
-#include "service/tools/common/csv_table.h"
+#include "service/device/recording/recording_reader.h"
+#include "service/haptics/scene/scene.h"
+#include "service/tools/common/files.h"
 
 namespace omni::tools {
 
@@ -81,5 +83,32 @@ nlohmann::json ToJson(const RunReport& report);
 
 // Failed expectations, one line each; empty: the run passed.
 std::vector<std::string> Shortcomings(const RunReport& report);
+
+// A scene as a picture of a run shows it: the triangles that are seen from one side, shaded, the furthest first.
+
+// An orthographic view. right, up: unit, at right angles; what is seen is within half_m of the centre.
+struct SceneView {
+  base::Vec3 centre_m, right, up;
+  double half_m = 0.05;
+};
+
+struct DrawnTriangle {
+  base::Vec3 corners_m[3];
+  double brightness = 1;  // 0 to 1: of the side that is seen
+};
+
+// What covers no cell of a grid of `cells` x `cells` over the view is left out.
+std::vector<DrawnTriangle> SeenTriangles(const haptics::Scene& scene, const SceneView& view, int cells);
+
+// A run as an SVG picture: the tip's path in side and top view with contacts, force and inputs over time.
+
+// `scene` may be empty: then only the hull and the path are drawn.
+std::string DrawRun(const RunReport& report, const RunData& data, const haptics::Scene& scene, double hull_radius_m);
+
+// Summary of a device recording, as text and as JSON.
+
+// Several lines, each with its newline.
+std::string RecordingText(const std::string& path, const device::RecordingSummary& summary);
+nlohmann::ordered_json RecordingJson(const std::string& path, const device::RecordingSummary& summary);
 
 }  // namespace omni::tools

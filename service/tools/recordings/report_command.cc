@@ -14,12 +14,10 @@
 #include "service/console/wrap.h"
 #include "service/haptics/scene/scene.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
 #include "service/tools/common/files.h"
 #include "service/tools/common/row_table.h"
 #include "service/tools/recordings/report.h"
-#include "service/tools/recordings/run_picture.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 
 namespace omni::tools {
 namespace {

@@ -1,11 +1,10 @@
-#include "service/tools/recordings/run_picture.h"
+#include "service/tools/recordings/report.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "service/tools/common/text_output.h"
-#include "service/tools/recordings/scene_drawing.h"
+#include "service/tools/common/output.h"
 #include "service/tools/recordings/svg.h"
 
 namespace omni::tools {

@@ -1,4 +1,4 @@
-#include "service/tools/recordings/scene_drawing.h"
+#include "service/tools/recordings/report.h"
 
 #include <algorithm>
 #include <array>

@@ -1,23 +1,58 @@
-// omni scene explain: what of a file is loaded, what is skipped and why, and what it costs. omni scene cost: the same
-// as counted by the system. omni scene cache: the cached built scenes. The rest: scene_edit.cc.
+#include "service/tools/scene/scene.h"
+
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "service/config/files/device_file.h"
 #include "service/config/paths.h"
+#include "service/config/scene_name.h"
 #include "service/scene/cache/cache_store.h"
+#include "service/scene/load_scene.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
-#include "service/tools/common/json_text.h"
-#include "service/tools/common/text_output.h"
-#include "service/tools/scene/scene_cost.h"
-#include "service/tools/scene/scene_source.h"
-#include "service/tools/scene/scene_text.h"
+#include "service/tools/common/output.h"
+#include "service/tools/common/terminal.h"
 
 namespace omni::tools {
+
+namespace fs = std::filesystem;
+
+base::Result<LoadedScene> LoadScene(const std::string& path, const scene::LoadOptions& options, bool cached) {
+  LoadedScene loaded;
+  std::optional<scene::CacheStore> cache;
+  if (cached) cache.emplace(config::CacheFolder());
+  auto scene = scene::LoadScene(path, options, cache ? &*cache : nullptr, loaded.load, loaded.build);
+  if (!scene.ok()) return base::Error{scene.error()};
+  loaded.scene = std::move(*scene);
+  return loaded;
+}
+
+base::Result<LoadedScene> LoadLiveScene(const std::string& path, const scene::LoadOptions& options) {
+  base::Result<LoadedScene> loaded = LoadScene(path, options);
+  if (!loaded.ok()) return loaded;
+  scene::CacheStore cache(config::CacheFolder());
+  loaded->live = scene::LoadLive(loaded->scene, &cache, scene::kSoftTets, ProgressOnTerminal("soft bodies"));
+  return loaded;
+}
+
+base::Result<std::string> FindScene(const std::string& name) { return config::FindScene(name, config::ScenesFolder()); }
+
+std::string ShippedScene(const std::string& name) { return config::ScenesFolder() + "/" + name + ".glb"; }
+
+std::string FindHandScript(const std::string& scene_path) {
+  fs::path script(scene_path);
+  script.replace_extension(".hand.json");
+  std::error_code error;
+  return fs::is_regular_file(script, error) ? script.string() : std::string();
+}
+
+// omni scene explain: what of a file is loaded, what is skipped and why, and what it costs. omni scene cost: the same
+// as counted by the system. omni scene cache: the cached built scenes. The rest: scene_edit.cc.
+
 namespace {
 
 struct ExplainArguments {

@@ -1,4 +1,4 @@
-#include "service/tools/scene/scene_cost.h"
+#include "service/tools/scene/scene.h"
 
 #include <filesystem>
 #include <fstream>
@@ -7,7 +7,6 @@
 
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene/scene.h"
-#include "service/tools/scene/scene_source.h"
 
 namespace omni::tools {
 namespace {

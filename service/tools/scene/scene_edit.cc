@@ -1,4 +1,4 @@
-#include "service/tools/scene/scene_edit.h"
+#include "service/tools/scene/scene.h"
 
 #include <cstdio>
 #include <iostream>
@@ -7,11 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
 #include "service/tools/common/files.h"
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/service_link.h"
-#include "service/tools/common/text_output.h"
 
 namespace omni::tools {
 namespace {

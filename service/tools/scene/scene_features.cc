@@ -1,4 +1,4 @@
-#include "service/tools/scene/scene_features.h"
+#include "service/tools/scene/scene.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -6,7 +6,7 @@
 
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene/scene.h"
-#include "service/tools/common/text_output.h"
+#include "service/tools/common/output.h"
 
 namespace omni::tools {
 namespace {

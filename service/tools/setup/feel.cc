@@ -1,4 +1,4 @@
-#include "service/tools/setup/feel.h"
+#include "service/tools/setup/setup.h"
 
 #include <algorithm>
 #include <chrono>
@@ -12,10 +12,10 @@
 #include "service/base/vec.h"
 #include "service/config/files/device_file.h"
 #include "service/monitor/trial/trial.h"
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/service_link.h"
 #include "service/tools/common/terminal.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 
 namespace omni::tools {
 namespace {

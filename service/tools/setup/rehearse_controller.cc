@@ -16,7 +16,6 @@
 #include "service/base/vec.h"
 #include "service/config/files/marks_file.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
 
 namespace omni::tools {
 namespace {

@@ -1,4 +1,6 @@
 // omni setup: from plugging in to feeling a force, step by step.
+#include "service/tools/setup/setup.h"
+
 #include <iostream>
 #include <memory>
 #include <string>
@@ -8,11 +10,8 @@
 
 #include "service/base/clock.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/service_link.h"
-#include "service/tools/common/text_output.h"
-#include "service/tools/setup/setup_steps.h"
 
 namespace omni::tools {
 namespace {

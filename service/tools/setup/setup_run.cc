@@ -1,4 +1,4 @@
-#include "service/tools/setup/setup_run.h"
+#include "service/tools/setup/setup.h"
 
 #include <chrono>
 #include <cstdlib>
@@ -12,7 +12,7 @@
 #include "service/client/connection.h"
 #include "service/console/wrap.h"
 #include "service/protocol/socket_path.h"
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/service_link.h"
 
 namespace omni::tools {

@@ -1,4 +1,4 @@
-#include "service/tools/setup/setup_state.h"
+#include "service/tools/setup/setup.h"
 
 #include <filesystem>
 #include <fstream>
@@ -10,7 +10,7 @@
 #include "service/config/files/alignment_file.h"
 #include "service/config/paths.h"
 #include "service/device/usb/usb_bus.h"
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 #include "service/tools/doctor/openxr_manifests.h"
 
 namespace omni::tools {

@@ -1,4 +1,4 @@
-#include "service/tools/setup/setup_steps.h"
+#include "service/tools/setup/setup.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -9,8 +9,7 @@
 #include "service/base/files/whole_file.h"
 #include "service/config/paths.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/text_output.h"
-#include "service/tools/setup/feel.h"
+#include "service/tools/common/output.h"
 
 namespace omni::tools {
 namespace {

@@ -8,9 +8,8 @@
 #include "service/base/files/json_values.h"
 #include "service/protocol/text.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/service_link.h"
-#include "service/tools/common/text_output.h"
 
 namespace omni::tools {
 namespace {

@@ -14,11 +14,10 @@
 #include "service/client/connection.h"
 #include "service/console/wrap.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/service_link.h"
 #include "service/tools/common/terminal.h"
-#include "service/tools/status/watch_view.h"
+#include "service/tools/status/status.h"
 
 namespace omni::tools {
 namespace {

@@ -1,13 +1,12 @@
-#include "service/tools/status/watch_view.h"
+#include "service/tools/status/status.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <sstream>
 
-#include "service/tools/common/json_text.h"
-#include "service/tools/common/text_output.h"
-#include "service/tools/scene/race_text.h"
+#include "service/tools/common/output.h"
+#include "service/tools/scene/scene.h"
 
 namespace omni::tools {
 namespace {

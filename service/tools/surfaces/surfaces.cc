@@ -1,5 +1,7 @@
 // omni surfaces: what omnid publishes for drawing. Requests the surfaces as an application would, so that they are
 // computed while it runs.
+#include "service/tools/surfaces/surfaces.h"
+
 #include <chrono>
 #include <cmath>
 #include <iostream>
@@ -16,11 +18,8 @@
 #include "service/client/connection.h"
 #include "service/client/surface_reader.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
-#include "service/tools/common/json_text.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/terminal.h"
-#include "service/tools/surfaces/surfaces_save.h"
-#include "service/tools/surfaces/surfaces_view.h"
 
 namespace omni::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "service/tools/surfaces/surfaces_save.h"
+#include "service/tools/surfaces/surfaces.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,9 +15,8 @@
 #include "service/scene/glb_save.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/files.h"
-#include "service/tools/common/progress.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/terminal.h"
-#include "service/tools/common/text_output.h"
 
 namespace omni::tools {
 namespace {

@@ -1,11 +1,11 @@
-#include "service/tools/surfaces/surfaces_view.h"
+#include "service/tools/surfaces/surfaces.h"
 
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
 
 #include "service/protocol/surfaces/surface_memory.h"
-#include "service/tools/common/text_output.h"
+#include "service/tools/common/output.h"
 
 namespace omni::tools {
 namespace {

@@ -1,4 +1,6 @@
 // omni track: a recording of any sensor array, tracked offline. docs/howto/track.md
+#include "service/tools/track/track.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -8,13 +10,9 @@
 
 #include "service/config/files/array_file.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
 #include "service/tools/common/files.h"
-#include "service/tools/common/progress.h"
-#include "service/tools/common/statistics.h"
-#include "service/tools/track/track_device.h"
-#include "service/tools/track/track_magnet16.h"
-#include "service/tools/track/track_run.h"
+#include "service/tools/common/row_table.h"
+#include "service/tools/common/terminal.h"
 
 namespace omni::tools {
 namespace {

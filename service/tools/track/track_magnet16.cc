@@ -1,4 +1,4 @@
-#include "service/tools/track/track_magnet16.h"
+#include "service/tools/track/track.h"
 
 #include <filesystem>
 #include <numbers>

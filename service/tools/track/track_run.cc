@@ -1,4 +1,4 @@
-#include "service/tools/track/track_run.h"
+#include "service/tools/track/track.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "service/base/eigen.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "service/tracker/solve/static_solve.h"
 
 namespace omni::tools {

@@ -1,7 +1,7 @@
 // A CSV table as instruments, spreadsheets and scripts write it: a header line, then finite numbers in every column
 // that is used; others may hold anything. Read as it is meant: a byte order mark, quotes [RFC 4180], "+1.5", lines that
 // begin with #, and units as in "bx_uT", "Bx (uT)" or "bx [µT]". For third-party recordings; recordings of our own runs
-// are read by csv_table.h. Errors name file, line, column, value and remedy.
+// are read by files.h. Errors name file, line, column, value and remedy.
 #pragma once
 
 #include <string>

@@ -7,14 +7,12 @@
 #include <thread>
 
 #include "service/base/clock.h"
-#include "service/client/hand_link.h"
+#include "service/client/dial.h"
 #include "service/config/files/device_file.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
 #include "service/tools/common/terminal.h"
-#include "service/tools/hand/eyes.h"
 #include "service/tools/hand/person.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 
 namespace omni::tools {
 namespace {

@@ -18,17 +18,14 @@
 #include "service/loop/tick_config.h"
 #include "service/magnetics/nominal.h"
 #include "service/sim/twin/twin.h"
-#include "service/tools/calibrate/calibrate_hand.h"
-#include "service/tools/calibrate/calibrate_kept.h"
+#include "service/tools/calibrate/calibrate_twin.h"
 #include "service/tools/common/child_program.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/commands.h"
-#include "service/tools/common/json_text.h"
-#include "service/tools/common/progress.h"
-#include "service/tools/common/text_output.h"
+#include "service/tools/common/output.h"
+#include "service/tools/common/terminal.h"
+#include "service/tools/hand/touch_places.h"
 #include "service/tools/recordings/report.h"
-#include "service/tools/scene/scene_source.h"
-#include "service/tools/twin/hand_path.h"
+#include "service/tools/scene/scene.h"
 
 namespace omni::tools {
 namespace {

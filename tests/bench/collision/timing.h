@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "tests/bench/collision/engine.h"
 
 namespace omni::collision {

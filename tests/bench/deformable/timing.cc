@@ -6,7 +6,7 @@
 #include <random>
 
 #include "service/haptics/deformable/soft_contact.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "tests/bench/deformable/rows.h"
 
 namespace omni::bench {

@@ -1,5 +1,5 @@
 // omni-bench collision: runs omni_bench_collision, a separate program because it is built with the peers.
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "tests/bench/harness/program.h"
 
 namespace omni::bench {

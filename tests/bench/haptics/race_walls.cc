@@ -7,7 +7,7 @@
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/vehicle/car.h"
 #include "service/sim/fields/random.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 #include "tests/bench/haptics/race.h"
 #include "tests/bench/harness/idle_timing.h"
 

@@ -4,7 +4,7 @@
 #include "service/config/paths.h"
 #include "service/tools/common/files.h"
 #include "service/tools/common/row_table.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 #include "tests/bench/haptics/scene_files.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/work_folder.h"

@@ -12,7 +12,7 @@
 #include "service/base/vec.h"
 #include "service/sim/fields/charges.h"
 #include "service/sim/fields/vec3.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 
 namespace omni::bench {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 
 namespace omni::bench {
 

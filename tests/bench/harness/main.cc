@@ -6,8 +6,8 @@
 #include <string>
 
 #include "service/tools/common/command_line.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/row_table.h"
-#include "service/tools/common/text_output.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/commands.h"
 

@@ -10,7 +10,6 @@
 #include "service/config/files/twin_file.h"
 #include "service/magnetics/nominal.h"
 #include "service/sim/fields/vec3.h"
-#include "service/tools/calibrate/calibrate_kept.h"
 #include "service/tools/calibrate/calibrate_twin.h"
 #include "tests/support/rig/rig.h"
 

@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 
 namespace omni::bench {
 

@@ -17,7 +17,7 @@
 #include "service/loop/tick_config.h"
 #include "service/sim/hand/motion.h"
 #include "service/sim/twin/loopback.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "tests/bench/harness/bench.h"
 
 namespace omni::bench {

@@ -3,8 +3,8 @@
 
 #include "service/config/files/twin_file.h"
 #include "service/loop/denormals.h"
-#include "service/tools/common/statistics.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/common/row_table.h"
+#include "service/tools/scene/scene.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/support/rig/loop_replay.h"
 

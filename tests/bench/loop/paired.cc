@@ -16,10 +16,9 @@
 #include "service/loop/denormals.h"
 #include "service/loop/tick_config.h"
 #include "service/tools/common/command_line.h"
+#include "service/tools/common/output.h"
 #include "service/tools/common/row_table.h"
-#include "service/tools/common/statistics.h"
-#include "service/tools/common/text_output.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 #include "tests/bench/harness/commands.h"
 #include "tests/support/rig/loop_replay.h"
 

@@ -20,7 +20,7 @@
 #include "service/loop/denormals.h"
 #include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/idle_timing.h"
 #include "tests/bench/loop/tick_features.h"

@@ -5,7 +5,7 @@
 
 #include "service/base/clock.h"
 #include "service/client/connection.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/openxr/layer_stage.h"
 

@@ -1,7 +1,7 @@
 // omni-bench layer: cost of the OpenXR layer, and error of the pen's poses.
 #include <map>
 
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "service/tools/doctor/elf_file.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/program.h"

@@ -4,7 +4,7 @@
 
 #include "service/tools/common/files.h"
 #include "service/tools/common/row_table.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 
 namespace omni::bench {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "service/config/files/device_file.h"
 #include "service/tools/common/command_line.h"
-#include "service/tools/common/text_output.h"
+#include "service/tools/common/output.h"
 #include "tests/bench/harness/commands.h"
 
 namespace omni::bench {

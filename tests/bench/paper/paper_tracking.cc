@@ -15,7 +15,7 @@
 #include "service/magnetics/nominal.h"
 #include "service/sim/fields/vec3.h"
 #include "service/sim/hand/motion.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/paper/paper.h"
 #include "tests/bench/peers/paper_method.h"

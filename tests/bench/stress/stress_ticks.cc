@@ -14,7 +14,7 @@
 #include "service/loop/denormals.h"
 #include "service/loop/probe/alloc_probe.h"
 #include "service/loop/tick_config.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/scene/scene.h"
 #include "tests/bench/harness/errors.h"
 #include "tests/bench/stress/stress.h"
 #include "tests/support/rig/scan_faults.h"

@@ -1,7 +1,7 @@
 // omni-bench align: simulated people align bases by each method; results are compared with the truth.
 #include <cmath>
 
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/support/rig/align_simulation.h"
 

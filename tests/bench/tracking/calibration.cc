@@ -14,7 +14,7 @@
 #include "service/config/files/twin_file.h"
 #include "service/magnetics/nominal.h"
 #include "service/tools/calibrate/calibrate_twin.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/peers/ceres_bundle.h"
 #include "tests/support/rig/adjustment_start.h"

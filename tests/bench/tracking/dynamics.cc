@@ -13,7 +13,7 @@
 #include "service/sim/fields/vec3.h"
 #include "service/sim/hand/motion.h"
 #include "service/sim/twin/loopback.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/room_conditions.h"

@@ -17,7 +17,7 @@
 
 #include "service/base/in_parallel.h"
 #include "service/sim/hand/hand.h"
-#include "service/tools/common/statistics.h"
+#include "service/tools/common/row_table.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"
 #include "tests/bench/harness/room_conditions.h"

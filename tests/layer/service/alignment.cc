@@ -8,7 +8,7 @@
 
 #include "layer/src/spaces/locate.h"
 #include "service/base/clock.h"
-#include "service/tools/align/align_service.h"
+#include "service/tools/align/align.h"
 #include "tests/layer/service/child_app.h"
 
 namespace omni::test {

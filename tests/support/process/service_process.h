@@ -19,7 +19,7 @@
 
 #include "service/base/clock.h"
 #include "service/client/connection.h"
-#include "service/tools/common/csv_table.h"
+#include "service/tools/common/files.h"
 #include "tests/support/process/child_process.h"
 #include "tests/support/process/temp_folder.h"
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "service/tools/align/align_session.h"
+#include "service/tools/align/align.h"
 
 namespace omni::test {
 

@@ -11,8 +11,8 @@
 #include "service/loop/probe/alloc_probe.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/twin/twin.h"
-#include "service/tools/calibrate/calibrate_kept.h"
-#include "service/tools/scene/scene_source.h"
+#include "service/tools/calibrate/calibrate_twin.h"
+#include "service/tools/scene/scene.h"
 #include "tests/support/touch/fresh_scene.h"
 
 namespace omni::test {
