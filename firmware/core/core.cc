@@ -1,8 +1,8 @@
 #include "firmware/core/core.h"
 
-#include "firmware/core/link/config_table.h"
+#include "firmware/core/link/settings.h"
+#include "firmware/wire/messages.h"
 #include "firmware/wire/names.h"
-#include "firmware/wire/scaling.h"
 
 namespace omni::firmware {
 namespace {

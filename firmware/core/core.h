@@ -18,10 +18,8 @@
 #include "firmware/core/link/outbox.h"
 #include "firmware/core/link/settings.h"
 #include "firmware/core/link/tick_report.h"
-#include "firmware/core/safety/arming.h"
-#include "firmware/core/safety/command_gate.h"
 #include "firmware/core/safety/fault_latch.h"
-#include "firmware/core/safety/output_check.h"
+#include "firmware/core/safety/gates.h"
 #include "firmware/core/safety/safety_monitor.h"
 #include "firmware/core/safety/self_test.h"
 

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "firmware/core/core.h"
-#include "firmware/wire/crc32c.h"
+#include "firmware/wire/frame.h"
 
 namespace omni::firmware {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "firmware/wire/scaling.h"
+#include "firmware/wire/messages.h"
 
 namespace omni::firmware {
 namespace {

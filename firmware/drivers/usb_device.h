@@ -29,7 +29,6 @@
 #include "firmware/drivers/usb_control.h"
 #include "firmware/drivers/usb_queue.h"
 #include "firmware/drivers/usb_registers.h"
-#include "firmware/drivers/usb_slots.h"
 
 namespace omni::drivers::usb {
 

@@ -77,4 +77,7 @@ inline std::int32_t SeqDistance(std::uint16_t a, std::uint16_t b) noexcept {
   return static_cast<std::int16_t>(static_cast<std::uint16_t>(b - a));
 }
 
+// CRC-32C (Castagnoli): polynomial 0x1EDC6F41 reflected, start and final value 0xFFFFFFFF [RFC 3720, B.4].
+std::uint32_t Crc32c(const std::uint8_t* data, std::size_t size) noexcept;
+
 }  // namespace omni::wire

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "firmware/wire/scaling.h"
+#include "firmware/wire/messages.h"
 #include "service/device/base_notes.h"
 
 namespace omni::device {

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "firmware/board/teensy40/board.h"
+#include "firmware/board/teensy40/chip/chip.h"
 #include "firmware/board/teensy40/chip/clocks.h"
-#include "firmware/board/teensy40/watchdog.h"
 #include "firmware/core/run.h"
 #include "tests/support/chips/teensy_chip.h"
 

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <limits>
 
-#include "firmware/wire/scaling.h"
+#include "firmware/wire/messages.h"
 #include "service/device/scan_conversion.h"
 
 namespace omni::device {

@@ -6,7 +6,7 @@
 #include <csignal>
 #include <limits>
 
-#include "firmware/wire/crc32c.h"
+#include "firmware/wire/frame.h"
 #include "firmware/wire/messages.h"
 #include "service/device/recording/recording_reader.h"
 #include "tests/support/process/temp_folder.h"

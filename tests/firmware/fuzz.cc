@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "firmware/wire/crc32c.h"
+#include "firmware/wire/frame.h"
 #include "tests/support/chips/firmware_bench.h"
 
 namespace omni::firmware {

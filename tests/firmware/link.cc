@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "firmware/wire/crc32c.h"
+#include "firmware/wire/frame.h"
 #include "tests/support/chips/firmware_bench.h"
 
 namespace omni::firmware {

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "firmware/core/link/config_table.h"
+#include "firmware/core/link/settings.h"
 #include "service/config/files/device_file.h"
 
 namespace omni::firmware {

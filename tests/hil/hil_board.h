@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "firmware/core/lockstep.h"
+#include "firmware/core/lockstep_board.h"
 #include "service/base/result.h"
 
 namespace omni::hil {

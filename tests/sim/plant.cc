@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "firmware/wire/scaling.h"
+#include "firmware/wire/messages.h"
 #include "service/sim/coils/plant.h"
 #include "tests/support/rig/twin_scenario.h"
 

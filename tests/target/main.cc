@@ -10,7 +10,7 @@
 #include <set>
 #include <string>
 
-#include "firmware/board/mps2_an500/exit_codes.h"
+#include "firmware/board/mps2_an500/host_link.h"
 #include "firmware/board/mps2_an500/semihosting.h"
 #include "firmware/board/mps2_an500/start.h"
 

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "firmware/board/mps2_an500/exit_codes.h"
+#include "firmware/board/mps2_an500/host_link.h"
 #include "firmware/board/mps2_an500/semihosting.h"
 
 extern "C" {

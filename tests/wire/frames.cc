@@ -7,9 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/wire/crc32c.h"
+#include "firmware/wire/frame.h"
 #include "firmware/wire/messages.h"
-#include "firmware/wire/scaling.h"
 #include "tests/support/hex.h"
 
 namespace omni::wire {

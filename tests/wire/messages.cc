@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/wire/crc32c.h"
+#include "firmware/wire/frame.h"
 #include "firmware/wire/messages.h"
 #include "tests/support/hex.h"
 

@@ -1,6 +1,6 @@
 // Prints the checksum of the core's drill: "drill STEPS CHECKSUM". The host compares it with its own.
 //   drill STEPS
-#include "firmware/board/mps2_an500/exit_codes.h"
+#include "firmware/board/mps2_an500/host_link.h"
 #include "firmware/board/mps2_an500/semihosting.h"
 #include "firmware/board/mps2_an500/start.h"
 #include "firmware/board/mps2_an500/text.h"

@@ -6,12 +6,10 @@
 #include <new>
 #include <optional>
 
-#include "firmware/board/mps2_an500/exit_codes.h"
+#include "firmware/board/mps2_an500/host_link.h"
 #include "firmware/board/mps2_an500/instruction_counter.h"
-#include "firmware/board/mps2_an500/lockstep_link.h"
 #include "firmware/board/mps2_an500/semihosting.h"
 #include "firmware/board/mps2_an500/start.h"
-#include "firmware/board/mps2_an500/step_counts.h"
 #include "firmware/board/mps2_an500/text.h"
 #include "firmware/core/lockstep_board.h"
 

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "firmware/board/mps2_an500/exit_codes.h"
+#include "firmware/board/mps2_an500/host_link.h"
 #include "firmware/board/mps2_an500/semihosting.h"
 #include "firmware/board/mps2_an500/text.h"
 

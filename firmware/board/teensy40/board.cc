@@ -1,6 +1,6 @@
 #include "firmware/board/teensy40/board.h"
 
-#include "firmware/board/teensy40/watchdog.h"
+#include "firmware/board/teensy40/chip/chip.h"
 
 namespace omni::board {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstdint>
 
 #include "firmware/board/teensy40/bridges.h"
+#include "firmware/board/teensy40/chip/chip.h"
 #include "firmware/board/teensy40/sensors/current_sense.h"
 #include "firmware/board/teensy40/sensors/hall_array.h"
-#include "firmware/board/teensy40/sensors/thermometer.h"
 #include "firmware/board/teensy40/timebase.h"
 #include "firmware/board/teensy40/usb_port.h"
 #include "firmware/core/board_io.h"

@@ -8,7 +8,6 @@
 #include "firmware/board/teensy40/boot/retained.h"
 #include "firmware/board/teensy40/chip/chip.h"
 #include "firmware/board/teensy40/chip/clocks.h"
-#include "firmware/board/teensy40/watchdog.h"
 #include "firmware/core/run.h"
 
 // After ours, because it defines many macros.

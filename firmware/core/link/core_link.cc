@@ -1,6 +1,6 @@
 // Frames from the host. A frame that is invalid, out of order or not allowed now is counted and has no effect.
 #include "firmware/core/core.h"
-#include "firmware/core/link/config_table.h"
+#include "firmware/core/link/settings.h"
 
 namespace omni::firmware {
 namespace {

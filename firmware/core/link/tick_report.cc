@@ -1,7 +1,7 @@
 #include "firmware/core/link/tick_report.h"
 
 #include "firmware/core/safety/fault_rules.h"
-#include "firmware/wire/scaling.h"
+#include "firmware/wire/messages.h"
 
 namespace omni::firmware {
 namespace {

@@ -1,7 +1,7 @@
 #include "firmware/core/safety/fault_latch.h"
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/crc32c.h"
+#include "firmware/wire/frame.h"
 
 namespace omni::firmware {
 

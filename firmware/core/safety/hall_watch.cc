@@ -2,7 +2,7 @@
 
 #include "firmware/core/numbers.h"
 #include "firmware/core/safety/fault_rules.h"
-#include "firmware/wire/scaling.h"
+#include "firmware/wire/messages.h"
 
 namespace omni::firmware {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/crc32c.h"
+#include "firmware/wire/frame.h"
 
 namespace omni::device {
 namespace {

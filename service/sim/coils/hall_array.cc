@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "firmware/wire/scaling.h"
+#include "firmware/wire/messages.h"
 #include "service/base/limits.h"
 
 namespace omni::sim {

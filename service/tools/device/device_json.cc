@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "firmware/wire/messages.h"
 #include "firmware/wire/names.h"
-#include "firmware/wire/scaling.h"
 #include "service/device/base_notes.h"
 
 namespace omni::tools {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "firmware/wire/messages.h"
 #include "firmware/wire/names.h"
-#include "firmware/wire/scaling.h"
 #include "service/console/wrap.h"
 #include "service/device/base_notes.h"
 #include "service/tools/common/output.h"

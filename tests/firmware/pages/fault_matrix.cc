@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "firmware/board/teensy40/watchdog.h"
+#include "firmware/board/teensy40/chip/chip.h"
 #include "tests/support/chips/firmware_bench.h"
 #include "tests/support/rig/core_tamper.h"
 

@@ -15,8 +15,7 @@
 #include <random>
 #include <thread>
 
-#include "firmware/board/mps2_an500/exit_codes.h"
-#include "firmware/board/mps2_an500/lockstep_link.h"
+#include "firmware/board/mps2_an500/host_link.h"
 #include "tests/hil/board/tools.h"
 
 namespace omni::hil {

@@ -8,7 +8,7 @@
 
 #include "firmware/core/drill.h"
 #include "firmware/core/lockstep_board.h"
-#include "firmware/wire/crc32c.h"
+#include "firmware/wire/frame.h"
 #include "tests/hil/board/qemu_board.h"
 #include "tests/hil/board/session.h"
 #include "tests/hil/board/tools.h"

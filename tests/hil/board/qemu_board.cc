@@ -9,7 +9,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "firmware/board/mps2_an500/lockstep_link.h"
+#include "firmware/board/mps2_an500/host_link.h"
 
 namespace omni::hil {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "firmware/core/lockstep.h"
+#include "firmware/core/lockstep_board.h"
 #include "service/base/result.h"
 #include "tests/hil/board/qemu_process.h"
 #include "tests/support/process/temp_folder.h"
@@ -34,7 +34,7 @@ class QemuBoard {
   base::Status Reset(firmware::ResetCause cause);
 
   // Ends it: exit status, and the report's numbers by name ("stack_bytes", "armed_mean"; see
-  // firmware/board/mps2_an500/step_counts.h).
+  // firmware/board/mps2_an500/instruction_counter.h).
   struct End {
     int status = 0;
     std::map<std::string, std::uint32_t> report;

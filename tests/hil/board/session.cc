@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "firmware/wire/scaling.h"
+#include "firmware/wire/messages.h"
 #include "service/device/usb/command_ttl.h"
 
 namespace omni::hil {

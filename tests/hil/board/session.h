@@ -8,7 +8,7 @@
 #include <random>
 
 #include "firmware/core/link/settings.h"
-#include "firmware/core/lockstep.h"
+#include "firmware/core/lockstep_board.h"
 
 namespace omni::hil {
 

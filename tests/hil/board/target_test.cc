@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "firmware/board/mps2_an500/exit_codes.h"
+#include "firmware/board/mps2_an500/host_link.h"
 #include "tests/hil/board/qemu_process.h"
 #include "tests/hil/board/tools.h"
 

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "firmware/wire/messages.h"
-#include "firmware/wire/scaling.h"
 #include "service/base/clock.h"
 #include "service/device/usb/usb_bus.h"
 

@@ -10,7 +10,7 @@
 
 #include "firmware/core/board_io.h"
 #include "firmware/core/link/settings.h"
-#include "firmware/wire/scaling.h"
+#include "firmware/wire/messages.h"
 
 namespace omni::firmware {
 

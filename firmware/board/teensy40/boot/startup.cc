@@ -5,10 +5,10 @@
 
 #include "firmware/board/teensy40/boot/memory_map.h"
 #include "firmware/board/teensy40/boot/retained.h"
+#include "firmware/board/teensy40/chip/chip.h"
 #include "firmware/board/teensy40/chip/clocks.h"
 #include "firmware/board/teensy40/chip/cpu.h"
 #include "firmware/board/teensy40/chip/pins.h"
-#include "firmware/board/teensy40/watchdog.h"
 
 extern "C" {
 extern std::uint32_t __itcm_begin[], __itcm_end[], __itcm_load[];

@@ -78,4 +78,16 @@ inline void Spin(std::uint32_t microseconds, std::uint32_t clock_MHz = 600) noex
   }
 }
 
+// A section without interrupts; nests. For a bus that the control interrupt and the main loop share.
+class Critical {
+ public:
+  Critical() noexcept : before_(InterruptMask()) { InterruptsOff(); }
+  ~Critical() { SetInterruptMask(before_); }
+  Critical(const Critical&) = delete;
+  Critical& operator=(const Critical&) = delete;
+
+ private:
+  std::uint32_t before_;
+};
+
 }  // namespace omni::board

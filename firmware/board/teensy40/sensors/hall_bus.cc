@@ -1,6 +1,6 @@
-#include "firmware/board/teensy40/sensors/hall_bus.h"
+#include "firmware/board/teensy40/sensors/hall_array.h"
 
-#include "firmware/board/teensy40/chip/critical.h"
+#include "firmware/board/teensy40/chip/cpu.h"
 #include "firmware/board/teensy40/chip/pins.h"
 #include "firmware/board/teensy40/chip/registers.h"
 

@@ -1,4 +1,4 @@
-#include "firmware/core/link/config_table.h"
+#include "firmware/core/link/settings.h"
 
 #include "firmware/core/numbers.h"
 
