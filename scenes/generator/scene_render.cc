@@ -22,7 +22,6 @@
 #include "scenes/generator/pictures/race_picture.h"
 #include "scenes/generator/pictures/rest_surface.h"
 #include "service/config/paths.h"
-#include "service/config/scene_name.h"
 #include "service/console/command.h"
 
 namespace {

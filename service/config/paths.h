@@ -1,8 +1,10 @@
-// Where Omni's own files and the user's settings lie.
+// Where Omni's own files, scenes and the user's settings lie.
 #pragma once
 
 #include <string>
 #include <vector>
+
+#include "service/base/result.h"
 
 namespace omni::config {
 
@@ -45,5 +47,10 @@ std::string CacheFolder();
 
 // Folders of application files in order of precedence: the user's, then ours.
 std::vector<std::string> AppFolders();
+
+// The file of a scene by its name, for commands, application files and scene_render: the first existing file of `name`,
+// `name`.glb and `name`.gltf, as a path, then in `scenes_folder` (config::ScenesFolder()). "dragon" and "dragon.glb"
+// are both the shipped dragon. The error names the folders that were searched, and the nearest name in them.
+base::Result<std::string> FindScene(const std::string& name, const std::string& scenes_folder);
 
 }  // namespace omni::config

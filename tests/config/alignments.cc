@@ -5,7 +5,7 @@
 #include <random>
 
 #include "service/config/files/alignment_file.h"
-#include "service/config/files/marks_file.h"
+#include "service/config/files/device_file.h"
 
 namespace omni::config {
 namespace test_config_alignments {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/config/inputs/input_settings.h"
-#include "service/config/inputs/key_names.h"
+#include "service/config/inputs/input_table.h"
 #include "service/config/paths.h"
 #include "tests/support/process/temp_folder.h"
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "service/config/scene_name.h"
+#include "service/config/paths.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::config {

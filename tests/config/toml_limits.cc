@@ -10,10 +10,9 @@
 #include "service/config/files/array_file.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/files/device_file.h"
-#include "service/config/files/marks_file.h"
 #include "service/config/files/twin_file.h"
 #include "service/config/inputs/input_settings.h"
-#include "service/config/text/toml_limits.h"
+#include "service/config/text/text_file.h"
 #include "service/config/text/toml_reader.h"
 #include "tests/support/rig/example_calibration.h"
 

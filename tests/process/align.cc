@@ -13,7 +13,7 @@
 #include "service/alignment/rigid.h"
 #include "service/base/eigen.h"
 #include "service/config/files/alignment_file.h"
-#include "service/config/files/marks_file.h"
+#include "service/config/files/device_file.h"
 #include "service/protocol/text.h"
 #include "service/tools/align/align.h"
 #include "service/tools/common/output.h"

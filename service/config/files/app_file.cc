@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "service/base/files/nearest_word.h"
-#include "service/config/inputs/profile_names.h"
+#include "service/config/inputs/input_table.h"
 #include "service/config/text/text_file.h"
 #include "service/config/text/toml_reader.h"
 

@@ -2,7 +2,7 @@
 // numbers cannot show: with every gain negated a pen is tracked as well, but pushed the wrong way.
 //
 // Every limit is about twice what `omni calibrate` itself accepts, which is five manufacturing tolerances per parameter
-// (service/calibration/fit/options.h: 1 mm, 1.15 degrees, 1.5 % of a sensor, 15 % of a magnet).
+// (service/calibration/types.h: 1 mm, 1.15 degrees, 1.5 % of a sensor, 15 % of a magnet).
 #pragma once
 
 #include <optional>

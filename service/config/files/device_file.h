@@ -1,10 +1,12 @@
-// manifests/device/*.toml -> DeviceGeometry. Errors name the file, the key, the value and the allowed range.
+// manifests/device: DeviceGeometry, and marks.toml. Errors name the file, the key, the value and the allowed range.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "service/base/device_geometry.h"
 #include "service/base/result.h"
+#include "service/base/vec.h"
 
 namespace omni::config {
 
@@ -17,5 +19,20 @@ base::Result<base::DeviceGeometry> ParseDevice(const std::string& text, const st
 
 // The geometry built into the binary: the same numbers as manifests/device/omni.toml (embedded at build).
 const base::DeviceGeometry& DefaultDevice();
+
+// manifests/device/marks.toml: points of the base that a controller can touch.
+inline constexpr std::size_t kMinMarks = 3;
+inline constexpr std::size_t kMaxMarks = 12;
+
+struct Mark {
+  std::string name;
+  base::Vec3 position_base_m;
+};
+
+base::Result<std::vector<Mark>> LoadMarksFile(const std::string& path);
+// `name` stands for the file in messages.
+base::Result<std::vector<Mark>> ParseMarks(const std::string& text, const std::string& name);
+// Those built into the binary.
+const std::vector<Mark>& DefaultMarks();
 
 }  // namespace omni::config

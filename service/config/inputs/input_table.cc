@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "service/base/files/nearest_word.h"
-#include "service/config/inputs/key_names.h"
 #include "service/config/text/toml_reader.h"
 
 namespace omni::config {

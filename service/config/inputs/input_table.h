@@ -3,7 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "service/base/input_mapping.h"
@@ -31,5 +34,16 @@ bool ShareKeys(std::vector<std::uint16_t>& slots, InputTable& table);
 std::string SourceText(base::InputSource source, const std::vector<std::uint16_t>& slots);
 // "secondary".
 const char* ComponentText(base::InputComponent component);
+
+// Keys by the names of the Linux input system (linux/input-event-codes.h): "KEY_B", "BTN_LEFT", or a number, "183".
+inline constexpr std::uint16_t kHighestKey = 0x2FF;  // KEY_MAX
+
+// Empty: no such key.
+std::optional<std::uint16_t> KeyCode(std::string_view name);
+
+std::string KeyNameOf(std::uint16_t code);
+
+// Interaction profiles that the pen supports: those of the layer (layer/profiles), as "oculus/touch_controller".
+std::span<const std::string_view> ProfileNames();
 
 }  // namespace omni::config

@@ -1,4 +1,4 @@
-#include "service/config/inputs/key_names.h"
+#include "service/config/inputs/input_table.h"
 
 #include <linux/input-event-codes.h>
 

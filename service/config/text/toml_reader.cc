@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "service/base/files/nearest_word.h"
-#include "service/config/text/toml_limits.h"
+#include "service/config/text/text_file.h"
 
 namespace omni::config {
 namespace {

@@ -18,7 +18,7 @@
 
 namespace omni::config {
 
-// Within the limits of toml_limits.h. Used by every reader of TOML.
+// Within the limits of text_file.h. Used by every reader of TOML.
 base::Result<toml::table> ParseToml(const std::string& text, const std::string& file);
 
 // Text that reads back as the same number, and as a float even if it is whole.

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "service/config/paths.h"
-#include "service/config/scene_name.h"
 #include "service/haptics/live/make_live.h"
 #include "service/scene/load_scene.h"
 

@@ -19,7 +19,7 @@
 #include "service/base/result.h"
 #include "service/base/unique_fd.h"
 #include "service/client/connection.h"
-#include "service/config/files/marks_file.h"
+#include "service/config/files/device_file.h"
 
 namespace omni::tools {
 

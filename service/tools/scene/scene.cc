@@ -10,7 +10,6 @@
 
 #include "service/config/files/device_file.h"
 #include "service/config/paths.h"
-#include "service/config/scene_name.h"
 #include "service/scene/cache/cache_store.h"
 #include "service/scene/load_scene.h"
 #include "service/tools/common/command_line.h"

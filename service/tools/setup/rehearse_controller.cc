@@ -14,7 +14,7 @@
 #include "service/alignment/rigid.h"
 #include "service/base/clock.h"
 #include "service/base/vec.h"
-#include "service/config/files/marks_file.h"
+#include "service/config/files/device_file.h"
 #include "service/tools/common/command_line.h"
 
 namespace omni::tools {
