@@ -18,7 +18,6 @@
 #include "service/tracker/room/magnet.h"
 #include "service/tracker/room/mains.h"
 #include "service/tracker/room/stray_field.h"
-#include "service/tracker/solve/frozen.h"
 #include "service/tracker/solve/pair_start.h"
 
 namespace omni::tracker {

@@ -6,6 +6,7 @@
 #include <array>
 #include <type_traits>
 
+#include "service/base/tool_state.h"
 #include "service/base/vec.h"
 #include "service/tracker/filter/interacting_models.h"
 
@@ -89,5 +90,12 @@ void CorrectFilter(const FilterNoise& noise, const PoseMeasurement& measured, do
 
 // u turned by the vector `turn_rad` (angle times axis).
 base::Vec3 TurnAxis(const base::Vec3& axis, const base::Vec3& turn_rad) noexcept;
+
+// The noise of a tracked point as it enters a force (docs/theory/haptics.md, section 3), in the worst direction; of a
+// point `offset_m` along the axis from the magnet's centre.
+base::PointNoise NoiseOfPoint(const FilterState& filter, double offset_m) noexcept;
+
+// Along the axis, where a small tilt moves nothing.
+base::PointNoise NoiseAlong(const FilterState& filter) noexcept;
 
 }  // namespace omni::tracker

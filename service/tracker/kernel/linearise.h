@@ -4,10 +4,37 @@
 #include <array>
 #include <span>
 
+#include "service/tracker/kernel/kernel.h"
 #include "service/tracker/kernel/measurement.h"
-#include "service/tracker/solve/problem.h"
+#include "service/tracker/kernel/model.h"
 
 namespace omni::tracker {
+
+// Where to linearise. axis, tangent_1, tangent_2 are orthonormal, right handed in the order (e1, e2, u).
+struct PosePoint {
+  std::array<double, 3> position_base_m{};
+  std::array<double, 3> axis_base{};
+  std::array<double, 3> tangent_1_base{};
+  std::array<double, 3> tangent_2_base{};
+};
+
+// Model and measurement of one scan packed for the kernel, in either precision.
+template <class Real, int kCapacity>
+struct Problem {
+  const SensorPlaces<Real>* places = nullptr;  // of the model
+  SensorBlock<Real> blocks[kCapacity / kBlockSensors];
+  int block_count = 0;
+  ToolSource<Real> tool;
+};
+
+template <class Real, int kCapacity>
+void Pack(const Model& model, const BasicMeasurement<kCapacity>& measurement,
+          Problem<Real, kCapacity>& problem) noexcept;
+
+extern template void Pack(const Model&, const Measurement&, Problem<float, kSensors>&) noexcept;
+extern template void Pack(const Model&, const Measurement&, Problem<double, kSensors>&) noexcept;
+extern template void Pack(const Model&, const ArrayMeasurement&, Problem<float, kArraySensors>&) noexcept;
+extern template void Pack(const Model&, const ArrayMeasurement&, Problem<double, kArraySensors>&) noexcept;
 
 // With the nuisances at their best: for every pose, chi2 is the least over them of |r + C n|^2 + prior.
 // Entries that the task leaves out are not written, nor cleared: that would cost as much as the sums are worth.

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "service/tracker/room/nuisance.h"
-
 namespace omni::tracker {
 namespace {
 

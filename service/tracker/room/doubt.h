@@ -5,6 +5,7 @@
 #include <array>
 #include <type_traits>
 
+#include "service/base/hall_scan.h"
 #include "service/tracker/kernel/measurement.h"
 
 namespace omni::tracker {
@@ -81,5 +82,19 @@ double Unsureness(const DoubtOptions& options, const Doubt& doubt, double misfit
 // A scan fitted there with chi2 per degree of freedom `ratio`; model_error: that of the calibration.
 void LearnModelError(const DoubtOptions& options, double ratio, const base::Vec3& position_base_m, double model_error,
                      Doubt& doubt) noexcept;
+
+// Detects a sensor that repeats the same reading. docs/theory/tracking.md, Doubt
+struct Repetition {
+  std::array<base::Vec3, base::kSensorCount> last_T{};
+  std::array<int, base::kSensorCount> times{};  // in a row that a fresh sample was the one before
+};
+static_assert(std::is_trivially_copyable_v<Repetition>);
+
+// The sensor that has repeated itself `times_min` times while all others that are fresh have just changed; -1: none.
+// Noise never repeats three axes for long.
+int FindFrozen(const base::HallScan& scan, int times_min, Repetition& repetition) noexcept;
+
+// After FindFrozen: all fresh sensors have repeated themselves so often. The base sends old measurements.
+bool IsAllFrozen(const base::HallScan& scan, int times_min, const Repetition& repetition) noexcept;
 
 }  // namespace omni::tracker

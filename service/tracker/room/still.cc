@@ -1,4 +1,4 @@
-#include "service/tracker/room/still.h"
+#include "service/tracker/room/drift.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,6 @@
 #include "service/base/vec.h"
 #include "service/tracker/kernel/cholesky.h"
 #include "service/tracker/kernel/matrices.h"
-#include "service/tracker/room/drift.h"
 
 namespace omni::tracker {
 namespace {

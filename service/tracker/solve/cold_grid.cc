@@ -1,4 +1,4 @@
-#include "service/tracker/solve/cold_grid.h"
+#include "service/tracker/kernel/model.h"
 
 #include <algorithm>
 #include <cmath>

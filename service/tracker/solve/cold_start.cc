@@ -1,4 +1,4 @@
-#include "service/tracker/solve/cold_start.h"
+#include "service/tracker/solve/solver.h"
 
 #include <algorithm>
 

@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "service/tracker/room/stray_dipole.h"
-#include "service/tracker/solve/cold_start.h"
+#include "service/tracker/solve/solver.h"
 
 namespace omni::tracker {
 

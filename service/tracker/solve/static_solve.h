@@ -9,7 +9,6 @@
 
 #include "service/base/calibration.h"
 #include "service/base/result.h"
-#include "service/tracker/solve/cold_start.h"
 #include "service/tracker/solve/solver.h"
 
 namespace omni::tracker {

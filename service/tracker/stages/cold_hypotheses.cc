@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/tracker/kernel/measurement.h"
 #include "service/tracker/kernel/steel.h"
-#include "service/tracker/room/nuisance.h"
-#include "service/tracker/solve/cold_start.h"
+#include "service/tracker/solve/solver.h"
 #include "service/tracker/stages/hypothesis.h"
 
 namespace omni::tracker {

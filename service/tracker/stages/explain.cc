@@ -1,7 +1,7 @@
-#include "service/tracker/stages/explain.h"
+#include "service/tracker/stages/hypothesis.h"
 
 #include "service/base/eigen.h"
-#include "service/tracker/room/nuisance.h"
+#include "service/tracker/kernel/measurement.h"
 
 namespace omni::tracker {
 namespace {

@@ -79,4 +79,12 @@ std::span<const Hypothesis> SlowHypotheses() noexcept;  // between cold starts
 // Proposes that the ambient field may have jumped.
 bool OpenField(Trial& trial) noexcept;
 
+// Third stage: the pose that explains a scan, and under which assumption.
+// outcome.good: found, and `state` holds what was assumed. The fit is of the steel's response at its pose.
+Explanation Explain(const Config& config, const Received& received, const Predicted& predicted, State& state) noexcept;
+
+// Of the received scan, with nothing assumed.
+ScanContext ContextOf(const Config& config, const Received& received, const Predicted& predicted,
+                      const RoomState& room) noexcept;
+
 }  // namespace omni::tracker

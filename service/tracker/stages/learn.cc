@@ -1,10 +1,9 @@
-#include "service/tracker/stages/learn.h"
+#include "service/tracker/stages/publish.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "service/base/eigen.h"
-#include "service/tracker/stages/publish.h"
 
 namespace omni::tracker {
 namespace {

@@ -6,7 +6,8 @@
 
 #include "service/base/eigen.h"
 #include "service/base/stamp.h"
-#include "service/tracker/room/point_noise.h"
+#include "service/tracker/filter/filter.h"
+#include "service/tracker/kernel/matrices.h"
 #include "service/tracker/solve/gap.h"
 
 namespace omni::tracker {
@@ -19,8 +20,7 @@ constexpr double kTypicalRadius_m = 0.065;  // from the pen to the core
 
 PoseMeasurement ToMeasurement(const Fit& fit) noexcept {
   PoseMeasurement measured{base::FromEigen(fit.pose.position_base_m), base::FromEigen(fit.pose.axis_base), {}};
-  using RowMajor5 = Eigen::Matrix<double, kParameters, kParameters, Eigen::RowMajor>;
-  Eigen::Map<RowMajor5>(measured.covariance.data()) = fit.covariance;
+  AsMatrix<kParameters>(measured.covariance) = fit.covariance;
   return measured;
 }
 
@@ -121,7 +121,7 @@ void Hold(const Config& config, const base::HallScan& scan, PoseState& pose) noe
 void AddMomentCovariance(const RoomState& room, Fit& fit) noexcept {
   const double variance = PublishedVariance(room.drift, room.magnet);
   if (!(variance > 0)) return;
-  const Eigen::Map<const Eigen::Matrix<double, kParameters, 1>> shift(room.magnet.pose_per_moment.data());
+  const auto shift = AsVector(room.magnet.pose_per_moment);
   fit.covariance += variance * shift * shift.transpose();
 }
 

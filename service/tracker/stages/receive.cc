@@ -1,4 +1,4 @@
-#include "service/tracker/stages/receive.h"
+#include "service/tracker/stages/predict.h"
 
 #include <algorithm>
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "service/tracker/kernel/steel.h"
-#include "service/tracker/solve/cold_start.h"
+#include "service/tracker/solve/solver.h"
 #include "service/tracker/solve/static_solve.h"
 
 namespace omni::tracker {

@@ -1,5 +1,5 @@
 #include "service/base/eigen.h"
-#include "service/tracker/solve/cold_start.h"
+#include "service/tracker/solve/solver.h"
 #include "service/tracker/solve/static_solve.h"
 #include "tests/bench/tracking/solver.h"
 

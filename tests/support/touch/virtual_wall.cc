@@ -10,7 +10,6 @@
 #include "service/haptics/stability/stability.h"
 #include "service/sim/fields/random.h"
 #include "service/tracker/filter/filter.h"
-#include "service/tracker/room/point_noise.h"
 #include "tests/support/usual_limit.h"
 
 namespace omni::test {

@@ -1,4 +1,4 @@
-#include "service/tracker/room/nuisance.h"
+#include "service/tracker/kernel/measurement.h"
 
 #include "service/tracker/kernel/cholesky.h"
 
