@@ -1,4 +1,4 @@
-#include "service/actuation/magnet_points.h"
+#include "service/actuation/force_map.h"
 
 #include <cmath>
 #include <numbers>

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "service/actuation/force_trust.h"
+#include "service/actuation/force_map.h"
 #include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/loop/tick.h"

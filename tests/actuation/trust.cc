@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "service/actuation/force_trust.h"
+#include "service/actuation/force_map.h"
 #include "tests/support/rig/nominal_device.h"
 
 namespace omni::actuation {
