@@ -12,11 +12,9 @@
 
 #include "firmware/wire/messages.h"
 #include "service/base/clock.h"
-#include "service/device/response_time.h"
+#include "service/device/commands.h"
 #include "service/device/scan_conversion.h"
-#include "service/device/usb/arming.h"
-#include "service/device/usb/command_ttl.h"
-#include "service/device/usb/counters.h"
+#include "service/device/transport.h"
 
 namespace omni::device {
 namespace {

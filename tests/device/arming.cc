@@ -1,7 +1,7 @@
 // The handshake by itself: times and orders that a whole session does not show.
 #include <gtest/gtest.h>
 
-#include "service/device/usb/arming.h"
+#include "service/device/commands.h"
 
 namespace omni::device {
 namespace test_device_arming {

@@ -18,7 +18,7 @@
 
 #include "firmware/wire/messages.h"
 #include "service/base/unique_fd.h"
-#include "service/device/recording/recording_transport.h"
+#include "service/device/recording/device_recorder.h"
 #include "service/device/recording/replay_transport.h"
 #include "service/device/socket_transport.h"
 #include "service/device/usb/usb_transport.h"

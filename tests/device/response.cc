@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "service/device/response_time.h"
+#include "service/device/commands.h"
 
 namespace omni::device {
 namespace test_device_response {

@@ -10,8 +10,8 @@
 
 #include "firmware/wire/messages.h"
 #include "service/base/unique_fd.h"
+#include "service/device/commands.h"
 #include "service/device/socket_transport.h"
-#include "service/device/usb/command_ttl.h"
 
 namespace omni::device {
 namespace test_device_socket {

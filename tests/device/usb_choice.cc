@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include "service/device/usb/usb_bus.h"
-#include "service/device/usb/usb_holders.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::device {

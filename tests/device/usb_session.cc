@@ -7,7 +7,7 @@
 #include <functional>
 #include <thread>
 
-#include "service/device/usb/command_ttl.h"
+#include "service/device/commands.h"
 #include "service/device/usb/usb_session.h"
 #include "tests/support/chips/fake_usb.h"
 

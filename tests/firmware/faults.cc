@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "firmware/wire/names.h"
-#include "service/device/usb/command_ttl.h"
+#include "service/device/commands.h"
 #include "tests/firmware/pages/fault_matrix.h"
 #include "tests/support/chips/firmware_bench.h"
 

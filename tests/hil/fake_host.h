@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "firmware/wire/messages.h"
-#include "service/device/usb/command_ttl.h"
+#include "service/device/commands.h"
 #include "tests/hil/chain.h"
 
 namespace omni::hil {

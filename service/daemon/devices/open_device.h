@@ -6,7 +6,7 @@
 
 #include "service/base/result.h"
 #include "service/daemon/run.h"
-#include "service/device/recording/recording_transport.h"
+#include "service/device/recording/device_recorder.h"
 #include "service/device/recording/replay_transport.h"
 #include "service/device/transport.h"
 

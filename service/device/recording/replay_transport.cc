@@ -8,7 +8,7 @@
 
 #include "service/base/clock.h"
 #include "service/base/stamp.h"
-#include "service/device/usb/counters.h"
+#include "service/device/transport.h"
 
 namespace omni::device {
 namespace {

@@ -8,7 +8,7 @@
 #include "firmware/wire/frame.h"
 #include "service/device/base_notes.h"
 #include "service/device/usb/libusb_handle.h"
-#include "service/device/usb/usb_holders.h"
+#include "service/device/usb/usb_bus.h"
 
 namespace omni::device {
 namespace {

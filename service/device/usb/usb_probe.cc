@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "service/base/clock.h"
+#include "service/device/commands.h"
 #include "service/device/scan_conversion.h"
-#include "service/device/usb/arming.h"
 #include "service/device/usb/ready_event.h"
 
 namespace omni::device {
@@ -16,7 +16,6 @@ constexpr std::int64_t kHelloTimeout_ns = 1'000'000'000;
 constexpr std::int64_t kFaultTimeout_ns = 200'000'000;
 constexpr std::int64_t kArmTimeout_ns = 5'000'000'000;  // a self-test may come first
 constexpr std::int64_t kCommandPeriod_ns = 5'000'000;
-constexpr std::uint16_t kSeqMargin = 1000;  // as in usb_session.cc
 
 class Prober final : public UsbHandler {
  public:

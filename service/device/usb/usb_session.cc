@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "service/base/clock.h"
-#include "service/device/usb/command_ttl.h"
+#include "service/device/commands.h"
 
 namespace omni::device {
 namespace {
@@ -14,11 +14,7 @@ constexpr std::int64_t kCommandTtl_ns = std::int64_t{kCommandTimeToLive_ms} * 1'
 constexpr std::int64_t kRepeat_ns = 5'000'000;  // a resting tick writes only every 16 ms, and the base waits for 20
 constexpr std::int64_t kRest_ns = 100'000'000;  // a tick that writes nothing for so long is not resting but stuck
 constexpr int kOutOfOrderMax = 20;  // frames in a row that are older than the last good one: the base has restarted
-// How far after the newest command that the base has from an earlier program the sequence begins: beyond the frames of
-// other types that came after it, and well within the range that serial-number arithmetic considers newer.
-constexpr std::uint16_t kSeqMargin = 1000;
-
-constexpr std::uint64_t kDeviceTimeMax_us = std::numeric_limits<std::int64_t>::max() / 1000;
+constexpr std::uint64_t kStampMax_us = std::numeric_limits<std::int64_t>::max() / 1000;
 
 constexpr std::uint32_t kHeldBit = 1U << 8;
 
@@ -189,7 +185,7 @@ void UsbSession::TakeTelemetry(const wire::FrameView& view, std::int64_t t_ns) n
 // The scan's instant on the host's clock. False: no instant.
 bool UsbSession::Stamp(const wire::Telemetry& telemetry, std::uint64_t t_device_us, std::int64_t t_ns,
                        std::int64_t& scan_t_ns) noexcept {
-  if (t_device_us > kDeviceTimeMax_us) return false;
+  if (t_device_us > kStampMax_us) return false;
   scan_t_ns = device_.clock_is_host ? static_cast<std::int64_t>(t_device_us) * 1000
                                     : clock_.Add({.t_device_us = t_device_us,
                                                   .received_ns = t_ns,

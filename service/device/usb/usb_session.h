@@ -15,11 +15,9 @@
 #include "service/base/latest.h"
 #include "service/device/base_notes.h"
 #include "service/device/clock_map.h"
-#include "service/device/response_time.h"
+#include "service/device/commands.h"
 #include "service/device/scan_conversion.h"
 #include "service/device/transport.h"
-#include "service/device/usb/arming.h"
-#include "service/device/usb/counters.h"
 #include "service/device/usb/ready_event.h"
 #include "service/device/usb/usb_bus.h"
 

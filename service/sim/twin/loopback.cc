@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "service/device/usb/command_ttl.h"
+#include "service/device/commands.h"
 
 namespace omni::sim {
 namespace {

@@ -6,9 +6,8 @@
 
 #include "service/base/actuation_types.h"
 #include "service/base/hall_scan.h"
-#include "service/device/response_time.h"
+#include "service/device/commands.h"
 #include "service/device/scan_conversion.h"
-#include "service/device/usb/arming.h"
 #include "service/sim/twin/twin_core.h"
 
 namespace omni::sim {

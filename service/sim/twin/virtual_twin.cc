@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "service/device/usb/counters.h"
+#include "service/device/transport.h"
 #include "service/sim/twin/loopback.h"
 
 namespace omni::sim {

@@ -10,7 +10,6 @@
 
 #include "service/base/result.h"
 #include "service/device/usb/usb_bus.h"
-#include "service/device/usb/usb_holders.h"
 #include "service/device/usb/usb_probe.h"
 
 namespace omni::tools {

@@ -3,7 +3,7 @@
 
 #include "firmware/core/safety/fault_rules.h"
 #include "firmware/wire/names.h"
-#include "service/device/usb/command_ttl.h"
+#include "service/device/commands.h"
 #include "tests/firmware/pages/fault_matrix.h"
 #include "tests/firmware/pages/fixed_text.h"
 

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "firmware/wire/messages.h"
-#include "service/device/usb/command_ttl.h"
+#include "service/device/commands.h"
 
 namespace omni::hil {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "firmware/core/core.h"
-#include "service/device/usb/command_ttl.h"
+#include "service/device/commands.h"
 #include "tests/support/chips/firmware_plant.h"
 
 namespace omni::firmware {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "service/device/recording/recording_transport.h"
+#include "service/device/recording/device_recorder.h"
 #include "service/sim/twin/twin.h"
 #include "tests/support/rig/twin_scenario.h"
 
