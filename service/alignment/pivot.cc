@@ -1,4 +1,4 @@
-#include "service/alignment/pivot.h"
+#include "service/alignment/dwell.h"
 
 #include <cmath>
 #include <cstdio>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "service/alignment/kabsch.h"
+#include "service/alignment/rigid.h"
 #include "service/base/eigen.h"
 
 namespace omni::alignment {

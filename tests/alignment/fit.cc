@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "service/alignment/dwell.h"
-#include "service/alignment/pivot.h"
 #include "tests/support/rig/alignment_scenario.h"
 
 namespace omni::alignment {

@@ -9,7 +9,6 @@
 
 #include <Eigen/Geometry>
 
-#include "service/alignment/kabsch.h"
 #include "service/alignment/rigid.h"
 #include "service/base/eigen.h"
 #include "service/config/files/alignment_file.h"

@@ -8,7 +8,6 @@
 #include <fstream>
 #include <iterator>
 
-#include "service/alignment/kabsch.h"
 #include "service/alignment/rigid.h"
 #include "service/config/files/follow_file.h"
 #include "service/protocol/text.h"

@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/alignment/kabsch.h"
 #include "service/alignment/rigid.h"
 #include "service/tools/align/align.h"
 #include "service/tools/common/row_table.h"

@@ -14,7 +14,6 @@
 
 #include "service/alignment/dwell.h"
 #include "service/alignment/fit.h"
-#include "service/alignment/pivot.h"
 #include "service/alignment/types.h"
 #include "service/base/result.h"
 #include "service/base/unique_fd.h"

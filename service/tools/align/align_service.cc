@@ -6,7 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/alignment/kabsch.h"
 #include "service/alignment/rigid.h"
 #include "service/base/clock.h"
 #include "service/config/runtime_identity.h"

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "service/alignment/kabsch.h"
 #include "service/alignment/rigid.h"
 #include "service/base/clock.h"
 #include "service/base/vec.h"

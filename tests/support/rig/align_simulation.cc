@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "service/alignment/kabsch.h"
 #include "service/alignment/rigid.h"
 #include "service/base/eigen.h"
 #include "service/sim/fields/random.h"

@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 
-#include "service/alignment/kabsch.h"
 #include "service/alignment/rigid.h"
 #include "service/base/eigen.h"
 
