@@ -10,7 +10,6 @@
 #include "service/room/field_watch.h"
 #include "service/room/room_finding.h"
 #include "service/room/sensor_watch.h"
-#include "service/room/swap_search.h"
 #include "service/room/verdict.h"
 #include "service/tracker/room_sample.h"
 

@@ -1,4 +1,4 @@
-#include "service/room/swap_search.h"
+#include "service/room/sensor_watch.h"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "service/room/span_verdict.h"
+#include "service/room/verdict.h"
 
 namespace omni::daemon {
 
