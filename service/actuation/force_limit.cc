@@ -20,7 +20,7 @@ struct DampedInverse {
   std::array<double, 9> ampere_per_newton{};  // row-major 3x3
 };
 
-// docs/theory/actuation.md (6)
+// docs/theory/actuation.md (3.1)
 // X^T (X X^T + lambda^2 v v^T)^-1 with v the direction the coils push worst and, for s = sigma_min / sigma_max below
 // `singular_ratio` = s0: lambda = sigma_max s0 (1 - (s/s0)^2) / 2   [Maciejewski & Klein 1988, numerical filtering].
 // At s = 0 the gain along v is 0; at s = s0 the inverse is exact; in between it is continuous.

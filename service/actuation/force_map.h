@@ -27,7 +27,7 @@ enum class MagnetDetail : unsigned char { kPoint, kRing, kFull };
 
 // Points with the moments q3 = m k3 and q5 = m k5 of the magnet (docs/theory/magnetics.md (8)), so that in any field
 // that has no source inside the magnet force and torque are right up to the sixth derivative of its potential.
-// docs/theory/actuation.md (10)
+// docs/theory/actuation.md (2.6)
 WeightedPoints MakeMagnetPoints(const base::MagnetGeometry& magnet, MagnetDetail detail);
 
 // Prepared once.
@@ -61,7 +61,7 @@ struct ForceAtPose {
 ForceAtPose EvaluateForceMap(const ForceMap& map, const base::Vec3& position_base_m, const base::Vec3& axis_base,
                              double moment_scale = 1) noexcept;
 
-// How much force may be requested of a base of limited accuracy. Set-up only. docs/theory/actuation.md (15)
+// How much force may be requested of a base of limited accuracy. Set-up only. docs/theory/actuation.md (7.1)
 
 // Poses of an uncalibrated base are almost never further off: tests/loop/uncalibrated.cc.
 inline constexpr double kDrawnError_m = 12e-3;

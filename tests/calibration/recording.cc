@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "service/calibration/checks/coil_sweep.h"
-#include "service/calibration/checks/coverage.h"
-#include "service/calibration/fit/touches.h"
 #include "service/calibration/fit/window.h"
+#include "service/calibration/types.h"
 #include "tests/support/rig/nominal_device.h"
 #include "tests/support/rig/rig_recording.h"
 

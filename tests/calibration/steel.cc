@@ -5,7 +5,6 @@
 
 #include "service/base/eigen.h"
 #include "service/calibration/fit/self_calibration.h"
-#include "service/calibration/fit/steel_plane.h"
 #include "service/calibration/fit/tool_field.h"
 #include "service/magnetics/disc_magnet.h"
 #include "service/magnetics/nominal.h"

@@ -1,4 +1,4 @@
-#include "service/calibration/checks/assess.h"
+#include "service/calibration/checks/checks.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "service/base/eigen.h"
-#include "service/calibration/checks/coverage.h"
+#include "service/calibration/types.h"
 
 namespace omni::calibration {
 namespace {
@@ -109,6 +110,22 @@ std::string CoverageProblem(const std::vector<ColdPose>& poses, const Limits& li
 }
 
 }  // namespace
+
+// Bands of equal height on a sphere have equal area [Archimedes].
+void Coverage::Add(const base::Vec3& position_base_m) noexcept {
+  const base::Vec3& p = position_base_m;
+  const double height = p.z / Norm(p);
+  if (!(height >= 0)) return;
+  const double turn = std::atan2(p.y, p.x) / (2 * std::numbers::pi);
+  const int band = std::min(kCoverageBands - 1, static_cast<int>(height * kCoverageBands));
+  const int sector = std::min(kCoverageSectors - 1, static_cast<int>((turn < 0 ? turn + 1 : turn) * kCoverageSectors));
+  ++visits[static_cast<std::size_t>(band) * kCoverageSectors + static_cast<std::size_t>(sector)];
+}
+
+double Coverage::share() const noexcept {
+  const auto visited = std::count_if(visits.begin(), visits.end(), [](int count) { return count > 0; });
+  return static_cast<double>(visited) / kCoverageCells;
+}
 
 std::string ResponsesProblem(const base::Calibration& nominal, const std::vector<CoilResponse>& responses) {
   const std::size_t sensors = nominal.sensors.size();

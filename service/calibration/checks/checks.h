@@ -6,10 +6,8 @@
 
 #include "service/base/calibration.h"
 #include "service/calibration/fit/adjust.h"
-#include "service/calibration/fit/options.h"
-#include "service/calibration/fit/report.h"
-#include "service/calibration/fit/samples.h"
 #include "service/calibration/fit/start.h"
+#include "service/calibration/types.h"
 
 namespace omni::calibration {
 
@@ -24,5 +22,11 @@ std::string PosesProblem(const base::Calibration& nominal, const Recording& reco
                          const std::vector<ColdPose>& poses, const Limits& limits);
 
 std::string ResultProblem(const Adjustment& adjustment, const Report& report, const Limits& limits);
+
+// From an adjustment to its report: residuals, parameters that the data did not determine, remaining error.
+// docs/theory/calibration.md (5.1) - (5.6)
+
+// Leaves samples, coverage, rejected, seconds to the caller.
+Report Assess(const Problem& problem, const Adjustment& adjustment);
 
 }  // namespace omni::calibration

@@ -9,7 +9,7 @@
 
 #include "service/base/hall_scan.h"
 #include "service/base/result.h"
-#include "service/calibration/fit/samples.h"
+#include "service/calibration/types.h"
 
 namespace omni::calibration {
 

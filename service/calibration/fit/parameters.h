@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "service/base/calibration.h"
-#include "service/calibration/fit/options.h"
+#include "service/calibration/types.h"
 
 namespace omni::calibration {
 

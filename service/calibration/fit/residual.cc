@@ -1,6 +1,6 @@
 #include "service/calibration/fit/residual.h"
 
-#include "service/calibration/fit/steel_plane.h"
+#include "service/calibration/fit/tool_field.h"
 
 namespace omni::calibration {
 

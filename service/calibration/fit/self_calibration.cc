@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "service/base/eigen.h"
-#include "service/calibration/checks/assess.h"
 #include "service/calibration/checks/checks.h"
-#include "service/calibration/checks/coverage.h"
 #include "service/calibration/fit/adjust.h"
 #include "service/calibration/fit/start.h"
+#include "service/calibration/types.h"
 
 namespace omni::calibration {
 namespace {

@@ -7,9 +7,7 @@
 #include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/base/result.h"
-#include "service/calibration/fit/options.h"
-#include "service/calibration/fit/report.h"
-#include "service/calibration/fit/samples.h"
+#include "service/calibration/types.h"
 
 namespace omni::calibration {
 

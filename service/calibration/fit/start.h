@@ -6,8 +6,7 @@
 
 #include "service/base/calibration.h"
 #include "service/base/result.h"
-#include "service/calibration/fit/options.h"
-#include "service/calibration/fit/samples.h"
+#include "service/calibration/types.h"
 #include "service/tracker/solve/static_solve.h"
 
 namespace omni::calibration {

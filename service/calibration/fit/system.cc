@@ -5,7 +5,6 @@
 
 #include "service/base/eigen.h"
 #include "service/calibration/fit/residual.h"
-#include "service/calibration/fit/steel_plane.h"
 #include "service/calibration/fit/tool_field.h"
 #include "service/magnetics/coil.h"
 #include "service/magnetics/dipole.h"

@@ -9,7 +9,7 @@
 #include "service/base/device_geometry.h"
 #include "service/calibration/fit/parameters.h"
 #include "service/calibration/fit/residual.h"
-#include "service/calibration/fit/samples.h"
+#include "service/calibration/types.h"
 #include "service/magnetics/coil.h"
 
 namespace omni::calibration {

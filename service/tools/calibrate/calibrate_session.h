@@ -15,16 +15,15 @@
 #include "service/base/limits.h"
 #include "service/base/result.h"
 #include "service/calibration/checks/coil_sweep.h"
-#include "service/calibration/checks/coverage.h"
+#include "service/calibration/types.h"
 #include "service/calibration/checks/tip.h"
 #include "service/calibration/checks/zero.h"
-#include "service/calibration/fit/report.h"
 #include "service/calibration/fit/self_calibration.h"
 #include "service/calibration/fit/start.h"
-#include "service/calibration/fit/touches.h"
 #include "service/calibration/fit/window.h"
 #include "service/device/transport.h"
 #include "service/tracker/tracker.h"
+#include "service/tools/calibrate/calibrate_session.h"
 
 namespace omni::tools {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "service/calibration/fit/samples.h"
+#include "service/calibration/types.h"
 #include "tests/support/rig/rig.h"
 
 namespace omni::test {
