@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "service/haptics/sculpt/sculpted_scene.h"
-#include "service/loop/denormals.h"
+#include "service/loop/realtime.h"
 
 namespace omni::daemon {
 

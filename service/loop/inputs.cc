@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "service/base/stamp.h"
 
@@ -126,6 +127,13 @@ void SetComponent(const InputConfig& config, double value, std::int64_t t_ns, ba
   held.t_change_ns = std::max(held.t_change_ns, t_ns);
 }
 
+constexpr base::SourceMask kDetent = base::Bit(base::InputSource::kDetent);
+
+void StartPulse(double amplitude_N, DetentState& state) noexcept {
+  state.time_s = 0;
+  state.amplitude_N = amplitude_N;
+}
+
 }  // namespace
 
 void UpdateInputs(const InputConfig& config, const base::InputMapping& mapping, const InputSample& sample,
@@ -146,6 +154,19 @@ void UpdateInputs(const InputConfig& config, const base::InputMapping& mapping, 
     SetComponent(config, std::clamp(plus.value - minus.value, -1.0, 1.0), t_ns > 0 ? t_ns : sample.t_ns,
                  tracker.inputs.components[i]);
   }
+}
+
+base::Vec3 DetentForce_N(const base::InputMapping& mapping, const InputTracker& tracker, const haptics::Output& haptics,
+                         double dt_s, DetentState& state) noexcept {
+  const bool on = (tracker.on & kDetent & mapping.used()) != 0;
+  if (on && haptics.contact_count > 0) state.normal_base = haptics.contacts[0].normal_base;
+  if (on != state.on) StartPulse((on ? -1 : kDetentReturn) * mapping.thresholds.detent_pulse_N, state);
+  state.on = on;
+  if (!(state.time_s < kDetentPulse_s)) return {};
+  state.time_s += dt_s;
+  const double force_N = state.amplitude_N * std::sin(std::numbers::pi * std::fmin(state.time_s / kDetentPulse_s, 1));
+  const base::Vec3& n = state.normal_base;
+  return {force_N * n.x, force_N * n.y, force_N * n.z};
 }
 
 }  // namespace omni::loop

@@ -9,6 +9,7 @@
 #include "service/base/input_mapping.h"
 #include "service/base/input_state.h"
 #include "service/base/tool_state.h"
+#include "service/base/vec.h"
 #include "service/haptics/haptics.h"
 #include "service/loop/gestures.h"
 
@@ -54,5 +55,23 @@ static_assert(std::is_trivially_copyable_v<InputTracker>);
 // most one edge per key and tick: further ones follow in the next ticks, none is lost.
 void UpdateInputs(const InputConfig& config, const base::InputMapping& mapping, const InputSample& sample,
                   const haptics::Output& haptics, const base::KeyStates* keys, InputTracker& tracker) noexcept;
+
+// The pulse that renders a detent click: when the force passes its threshold the surface yields for a moment, and it
+// returns when the force has fallen. Half a sine along the contact's normal, added to the contact force under its
+// limits.
+inline constexpr double kDetentPulse_s = 0.012;  // 42 Hz: the coils follow it
+inline constexpr double kDetentReturn = 0.5;     // of the pulse, when it comes back
+
+struct DetentState {
+  bool on = false;
+  double time_s = kDetentPulse_s;  // of the pulse that is running
+  double amplitude_N = 0;
+  base::Vec3 normal_base;  // of the contact that was pressed
+};
+static_assert(std::is_trivially_copyable_v<DetentState>);
+
+// Force of this tick. Zero while no component is mapped to the detent.
+base::Vec3 DetentForce_N(const base::InputMapping& mapping, const InputTracker& tracker, const haptics::Output& haptics,
+                         double dt_s, DetentState& state) noexcept;
 
 }  // namespace omni::loop

@@ -1,4 +1,4 @@
-#include "service/loop/pose_track.h"
+#include "service/loop/scene_motion.h"
 
 #include <algorithm>
 #include <cmath>

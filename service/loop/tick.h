@@ -20,7 +20,6 @@
 #include "service/haptics/applied/applied.h"
 #include "service/haptics/haptics.h"
 #include "service/haptics/state.h"
-#include "service/loop/detent.h"
 #include "service/loop/force_limiter.h"
 #include "service/loop/inputs.h"
 #include "service/loop/scene_motion.h"

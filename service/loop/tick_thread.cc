@@ -3,7 +3,7 @@
 #include "service/base/clock.h"
 #include "service/base/stamp.h"
 #include "service/base/threads/realtime_threads.h"
-#include "service/loop/denormals.h"
+#include "service/loop/realtime.h"
 
 namespace omni::loop {
 TickThread::TickThread(const TickConfig& config, const Options& options, TickSource& source, TickSink& sink)

@@ -7,6 +7,8 @@
 #include <memory>
 #include <thread>
 
+#include "service/base/actuation_types.h"
+#include "service/base/hall_scan.h"
 #include "service/base/latest.h"
 #include "service/haptics/scene/scene.h"
 #include "service/loop/realtime.h"
@@ -14,9 +16,19 @@
 #include "service/loop/surface_snapshot.h"
 #include "service/loop/telemetry.h"
 #include "service/loop/tick.h"
-#include "service/loop/tick_source.h"
 
 namespace omni::loop {
+
+// What clocks the loop: telemetry arrival, an absolute timer, or virtual time. Loop declares it, others implement it.
+enum class WaitStatus : std::uint8_t { kTick = 0, kTimeout = 1, kGone = 2, kEnd = 3 };
+
+class TickSource {
+ public:
+  virtual ~TickSource() = default;
+  // Waits for the next tick and fills its scan. kTimeout: no telemetry within the source's own patience.
+  virtual WaitStatus Wait(base::HallScan& scan) noexcept = 0;
+  virtual void Apply(const base::CoilCurrents& currents) noexcept = 0;
+};
 
 // The scene that goes with Commands::scene_generation, a number that is never reused. The control thread owns every
 // scene it handed over until TickStatistics::scene_generation names the newest one.

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "service/loop/detent.h"
+#include "service/loop/inputs.h"
 
 namespace omni::loop {
 namespace test_loop_detent {

@@ -9,7 +9,7 @@
 
 #include "service/config/files/device_file.h"
 #include "service/haptics/scene/scene.h"
-#include "service/loop/denormals.h"
+#include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"
 #include "tests/support/rig/hostile_stream.h"
 #include "tests/support/touch/scenario.h"

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "service/base/eigen.h"
-#include "service/loop/pose_track.h"
+#include "service/loop/scene_motion.h"
 
 namespace omni::loop {
 namespace test_loop_pose_track {

@@ -13,7 +13,6 @@
 #include "service/base/priority_mutex.h"
 #include "service/config/files/calibration_file.h"
 #include "service/device/transport.h"
-#include "service/loop/tick_source.h"
 #include "service/loop/tick_thread.h"
 #include "service/protocol/force_feedback.h"
 #include "service/room/room_finding.h"

@@ -23,7 +23,6 @@
 #include "service/calibration/fit/window.h"
 #include "service/device/transport.h"
 #include "service/tracker/tracker.h"
-#include "service/tools/calibrate/calibrate_session.h"
 
 namespace omni::tools {
 

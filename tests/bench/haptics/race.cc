@@ -12,7 +12,7 @@
 #include "service/config/files/device_file.h"
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/vehicle/wall_map.h"
-#include "service/loop/denormals.h"
+#include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"
 #include "service/scene/scene_file.h"
 #include "service/sim/twin/twin.h"

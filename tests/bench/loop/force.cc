@@ -8,7 +8,7 @@
 
 #include "service/actuation/actuation.h"
 #include "service/config/files/device_file.h"
-#include "service/loop/denormals.h"
+#include "service/loop/realtime.h"
 #include "service/sim/fields/random.h"
 #include "service/sim/fields/truth_model.h"
 #include "service/sim/twin/twin.h"

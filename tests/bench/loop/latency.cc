@@ -12,7 +12,7 @@
 #include "service/config/files/device_file.h"
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/stability/stability.h"
-#include "service/loop/denormals.h"
+#include "service/loop/realtime.h"
 #include "service/loop/tick.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/hand/motion.h"

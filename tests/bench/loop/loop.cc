@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "service/config/files/twin_file.h"
-#include "service/loop/denormals.h"
+#include "service/loop/realtime.h"
 #include "service/tools/common/row_table.h"
 #include "service/tools/scene/scene.h"
 #include "tests/bench/harness/bench.h"

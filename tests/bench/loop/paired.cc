@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "service/config/files/twin_file.h"
-#include "service/loop/denormals.h"
+#include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/output.h"

@@ -17,7 +17,6 @@
 #include "service/config/files/twin_file.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene/scene.h"
-#include "service/loop/denormals.h"
 #include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"
 #include "service/tools/scene/scene.h"

@@ -12,7 +12,7 @@
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"
 #include "service/haptics/scene/scene.h"
-#include "service/loop/denormals.h"
+#include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/fields/vec3.h"
 #include "service/tools/calibrate/calibrate_twin.h"

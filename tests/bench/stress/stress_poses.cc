@@ -6,7 +6,7 @@
 
 #include "service/config/files/device_file.h"
 #include "service/haptics/scene/scene.h"
-#include "service/loop/denormals.h"
+#include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/fields/vec3.h"
 #include "tests/bench/stress/stress.h"

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "service/base/in_parallel.h"
-#include "service/loop/denormals.h"
 #include "service/loop/probe/alloc_probe.h"
+#include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"
 #include "service/tools/scene/scene.h"
 #include "tests/bench/harness/errors.h"

@@ -9,7 +9,7 @@
 
 #include "service/base/eigen.h"
 #include "service/config/files/device_file.h"
-#include "service/loop/denormals.h"
+#include "service/loop/realtime.h"
 #include "service/sim/fields/vec3.h"
 #include "service/tracker/room/doubt.h"
 #include "service/tracker/tracker.h"

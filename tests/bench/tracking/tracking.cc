@@ -3,7 +3,7 @@
 
 #include <iostream>
 
-#include "service/loop/denormals.h"
+#include "service/loop/realtime.h"
 
 namespace omni::bench {
 namespace {
