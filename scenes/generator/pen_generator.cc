@@ -3,7 +3,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "scenes/generator/models/pen.h"
+#include "scenes/generator/models/scene_models.h"
 
 int main(int argc, char** argv) {
   const bool help = argc == 2 && std::strcmp(argv[1], "--help") == 0;

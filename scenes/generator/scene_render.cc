@@ -17,7 +17,6 @@
 #pragma GCC diagnostic pop
 
 #include "scenes/generator/pictures/contact_picture.h"
-#include "scenes/generator/pictures/labels.h"
 #include "scenes/generator/pictures/picture.h"
 #include "scenes/generator/pictures/race_picture.h"
 #include "scenes/generator/pictures/rest_surface.h"

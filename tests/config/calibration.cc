@@ -255,7 +255,7 @@ base::SensorCalibration Built(base::SensorCalibration sensor, double tolerances,
   return sensor;
 }
 
-// The tolerances of service/calibration/fit/options.h, up to the five of them at which `omni calibrate` itself gives
+// The tolerances of service/calibration/types.h, up to the five of them at which `omni calibrate` itself gives
 // up.
 TEST(ConfigCalibration, AcceptsBasesWithinFiveTolerances) {
   std::mt19937 random(3);

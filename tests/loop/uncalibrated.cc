@@ -20,7 +20,7 @@ constexpr double kForceMax_N = 2;
 constexpr int kPoses = 8, kTicks = 210, kFoundTicks = 30, kPushTicks = 60;
 constexpr double kBeyondHull_m = 0.012;  // further out the coils cannot make 2 N
 
-// What sensors do not see at once. Standard deviations: service/calibration/fit/options.h, which measures such bases.
+// What sensors do not see at once. Standard deviations: service/calibration/types.h, which measures such bases.
 base::DeviceGeometry TolerancedDevice(sim::Random& random) {
   base::DeviceGeometry device = config::DefaultDevice();
   device.hull_radius_m += 0.1e-3 * random.Normal();

@@ -12,7 +12,7 @@
 #include <regex>
 #include <set>
 
-#include "scenes/generator/models/pen.h"
+#include "scenes/generator/models/scene_models.h"
 
 namespace omni::scenes {
 namespace {

@@ -1,4 +1,4 @@
-#include "scenes/generator/mesh/decimate.h"
+#include "scenes/generator/mesh/mesh.h"
 
 #include <algorithm>
 #include <array>

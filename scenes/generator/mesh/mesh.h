@@ -44,4 +44,10 @@ void KeepLargestComponent(Mesh& mesh);
 // 6 x the enclosed volume, positive when triangles are counter-clockwise from outside.
 double SignedVolume6(const Mesh& mesh);
 
+// Fewer triangles, same shape.
+
+// Edge collapses in the order of their quadric error [Garland & Heckbert 1997] until `triangles` are left. `importance`
+// (one per vertex, 1 = plain) multiplies the error: detail stays where it is high. A closed manifold stays one.
+Mesh Decimate(const Mesh& mesh, const std::vector<double>& importance, std::size_t triangles);
+
 }  // namespace omni::scenes

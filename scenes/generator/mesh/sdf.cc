@@ -1,4 +1,4 @@
-#include "scenes/generator/mesh/sdf.h"
+#include "scenes/generator/mesh/polygonise.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/generator/mesh/decimate.h"
+#include "scenes/generator/mesh/mesh.h"
 #include "scenes/generator/mesh/polygonise.h"
 #include "scenes/generator/models/dragon_shape.h"
 #include "scenes/generator/models/scene_models.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scenes/generator/mesh/mesh.h"
-#include "scenes/generator/mesh/sdf.h"
+#include "scenes/generator/mesh/polygonise.h"
 
 namespace omni::scenes {
 

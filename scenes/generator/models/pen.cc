@@ -1,5 +1,5 @@
 // Magnet, flange and grip; a nib and a button that applications move (layer/src/models/pen_model.h).
-#include "scenes/generator/models/pen.h"
+#include "scenes/generator/models/scene_models.h"
 
 #include <cmath>
 #include <numeric>

@@ -1,4 +1,4 @@
-#include "scenes/generator/pictures/labels.h"
+#include "scenes/generator/pictures/picture.h"
 
 #include <algorithm>
 #include <array>

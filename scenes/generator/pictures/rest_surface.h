@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "scenes/generator/pictures/drawn_mesh.h"
+#include "scenes/generator/pictures/picture.h"
 
 namespace omni::scenes {
 

@@ -132,7 +132,7 @@ and the self-test that follows ends in the state fault.
 
 The host gives every current )" +
          std::to_string(device::kCommandTimeToLive_ms) +
-         R"( ms to live (service/device/usb/command_ttl.h). In ms from its last COMMAND until every coil stays
+         R"( ms to live (service/device/commands.h). In ms from its last COMMAND until every coil stays
 below )" +
          Fixed(1000 * kZero_A, 0) + R"( mA, by supply:
 
