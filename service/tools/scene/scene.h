@@ -29,7 +29,7 @@ base::Result<LoadedScene> LoadScene(const std::string& path, const scene::LoadOp
 // and sculptable surfaces.
 base::Result<LoadedScene> LoadLiveScene(const std::string& path, const scene::LoadOptions& options);
 
-// Name of a scene as typed by a user -> its file (config/scene_name.h).
+// Name of a scene as typed by a user -> its file (config/paths.h).
 base::Result<std::string> FindScene(const std::string& name);
 
 // A scene that we ship: "dragon" -> <scenes>/dragon.glb.
