@@ -116,6 +116,11 @@ export const kKind = {
   drop: 16,
 } as const;
 export const kLayout = {
+  head: {
+    magic: 'u32',
+    kind: 'u16',
+    version: 'u16',
+  },
   live: {
     magic: 'u32',
     kind: 'u16',

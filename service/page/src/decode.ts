@@ -54,9 +54,8 @@ function live({ contact_count, has_vehicle, contacts, vehicle, aim, ...same }: R
 }
 
 export function decode(buffer: ArrayBuffer): BinaryMessage {
-  const head = new DataView(buffer);
-  if (head.getUint32(0, true) !== kMagic) throw new RangeError('not a message of omni monitor');
-  const kind = head.getUint16(4, true);
+  const { magic, kind } = reader(buffer)(kLayout.head);
+  if (magic !== kMagic) throw new RangeError('not a message of omni monitor');
   const read = reader(buffer); // the version was checked with the first message
   switch (kind) {
     case kKind.live:

@@ -170,7 +170,9 @@ std::string Masks(const std::string& constant, const Json& rows) {
 
 std::string ContractTypes() {
   const Json contract = Contract();
-  std::string kinds, layouts;
+  Fields head;
+  PutHead(head, PageMessage::kLive);
+  std::string kinds, layouts = "  head: " + Layout({{"fields", head.rows()}}, "  ") + ",\n";
   for (const auto& [name, message] : contract["messages"].items()) {
     kinds += "  " + name + ": " + message["kind"].dump() + ",\n";
     layouts += "  " + name + ": " + Layout(message, "  ") + ",\n";
