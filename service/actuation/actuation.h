@@ -8,8 +8,6 @@
 
 #include "service/actuation/force_map.h"
 #include "service/actuation/heat.h"
-#include "service/base/actuation_types.h"
-#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/base/force_limit.h"
 #include "service/base/tool_state.h"

@@ -6,7 +6,6 @@
 #include <type_traits>
 
 #include "service/actuation/force_kernel.h"
-#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/base/limits.h"
 #include "service/base/vec.h"

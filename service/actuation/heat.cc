@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "service/base/stamp.h"
+#include "service/base/clock.h"
 
 namespace omni::actuation {
 namespace {

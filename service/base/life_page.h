@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "service/base/stamp.h"
+#include "service/base/clock.h"
 
 namespace omni::base {
 

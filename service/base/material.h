@@ -12,7 +12,6 @@
 #include <string_view>
 #include <type_traits>
 
-#include "service/base/aggregate.h"
 #include "service/base/number_field.h"
 
 namespace omni::base {

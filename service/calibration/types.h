@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/base/limits.h"
 #include "service/base/vec.h"
 

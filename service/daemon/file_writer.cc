@@ -10,7 +10,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "service/base/priority_mutex.h"
+#include "service/base/threads/realtime_threads.h"
 
 namespace omni::daemon {
 

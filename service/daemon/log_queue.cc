@@ -24,7 +24,7 @@
 #include <spdlog/spdlog.h>
 
 #include "service/base/clock.h"
-#include "service/base/priority_mutex.h"
+#include "service/base/threads/realtime_threads.h"
 #include "service/base/unique_fd.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

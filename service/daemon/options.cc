@@ -1,6 +1,6 @@
 #include "service/daemon/run.h"
 
-#include "service/base/files/new_file.h"
+#include "service/base/files/whole_file.h"
 #include "service/config/files/alignment_file.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/files/device_file.h"

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "service/base/threads/realtime_threads.h"
 #include "service/config/files/app_file.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/inputs/input_settings.h"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "firmware/wire/messages.h"
-#include "service/base/spsc_ring.h"
+#include "service/base/handover.h"
 
 namespace omni::device {
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "service/base/actuation_types.h"
+#include "service/base/force_limit.h"
 #include "service/base/hall_scan.h"
 #include "service/device/base_notes.h"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <type_traits>
 
-#include "service/base/actuation_types.h"
+#include "service/base/force_limit.h"
 #include "service/base/tool_state.h"
 #include "service/base/vec.h"
 #include "service/haptics/scene/material.h"

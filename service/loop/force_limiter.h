@@ -6,7 +6,7 @@
 #include <array>
 #include <type_traits>
 
-#include "service/base/actuation_types.h"
+#include "service/base/force_limit.h"
 
 namespace omni::loop {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "service/base/stamp.h"
+#include "service/base/clock.h"
 
 namespace omni::loop {
 namespace {

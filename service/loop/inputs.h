@@ -7,7 +7,6 @@
 #include <type_traits>
 
 #include "service/base/input_mapping.h"
-#include "service/base/input_state.h"
 #include "service/base/tool_state.h"
 #include "service/base/vec.h"
 #include "service/haptics/haptics.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/base/clock.h"
 #include "service/base/eigen.h"
-#include "service/base/stamp.h"
 
 namespace omni::loop {
 namespace {

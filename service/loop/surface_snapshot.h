@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "service/base/stamp.h"
+#include "service/base/clock.h"
 #include "service/loop/tick.h"
 
 namespace omni::loop {

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "service/base/spsc_ring.h"
+#include "service/base/handover.h"
 #include "service/loop/histogram.h"
 #include "service/loop/tick.h"
 #include "service/tracker/room_sample.h"

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/base/clock.h"
 #include "service/base/eigen.h"
 #include "service/base/force_limit.h"
 #include "service/base/limits.h"
-#include "service/base/stamp.h"
 #include "service/haptics/live/scene_changes.h"
 
 namespace omni::loop {

@@ -14,7 +14,6 @@
 #include "service/actuation/actuation.h"
 #include "service/base/hall_scan.h"
 #include "service/base/input_mapping.h"
-#include "service/base/input_state.h"
 #include "service/base/life_page.h"
 #include "service/base/tool_state.h"
 #include "service/haptics/applied/applied.h"

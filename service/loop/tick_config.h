@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "service/actuation/force_map.h"
-#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/loop/tick.h"
 

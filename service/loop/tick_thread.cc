@@ -1,7 +1,6 @@
 #include "service/loop/tick_thread.h"
 
 #include "service/base/clock.h"
-#include "service/base/stamp.h"
 #include "service/base/threads/realtime_threads.h"
 #include "service/loop/realtime.h"
 

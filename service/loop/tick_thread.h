@@ -7,9 +7,9 @@
 #include <memory>
 #include <thread>
 
-#include "service/base/actuation_types.h"
+#include "service/base/force_limit.h"
 #include "service/base/hall_scan.h"
-#include "service/base/latest.h"
+#include "service/base/handover.h"
 #include "service/haptics/scene/scene.h"
 #include "service/loop/realtime.h"
 #include "service/loop/scene_memory.h"

@@ -6,7 +6,6 @@
 #include <array>
 #include <vector>
 
-#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 
 namespace omni::magnetics {

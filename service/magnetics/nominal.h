@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 
 namespace omni::magnetics {

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/clock.h"
-#include "service/base/files/json_values.h"
+#include "service/base/files/json_document.h"
 #include "service/monitor/page/channels.h"
 #include "service/monitor/web/access.h"
 

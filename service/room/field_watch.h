@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/base/eigen.h"
 #include "service/base/limits.h"
 #include "service/room/room_finding.h"

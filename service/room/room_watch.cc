@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "service/base/stamp.h"
+#include "service/base/clock.h"
 
 namespace omni::room {
 namespace {

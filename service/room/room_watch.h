@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/room/field_watch.h"
 #include "service/room/room_finding.h"
 #include "service/room/sensor_watch.h"

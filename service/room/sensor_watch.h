@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/base/hall_scan.h"
 #include "service/base/limits.h"
 #include "service/base/vec.h"

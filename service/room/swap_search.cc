@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "service/base/stamp.h"
+#include "service/base/clock.h"
 
 namespace omni::room {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/base/files/read_file.h"
+#include "service/base/files/whole_file.h"
 #include "service/scene/glb_save.h"
 #include "service/scene/gltf/json_reading.h"
 

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/base/hall_scan.h"
 #include "service/base/tool_state.h"

@@ -8,8 +8,7 @@
 #include <thread>
 
 #include "service/base/force_limit.h"
-#include "service/base/latest.h"
-#include "service/base/spsc_ring.h"
+#include "service/base/handover.h"
 
 namespace omni::base {
 namespace test_base_handover {

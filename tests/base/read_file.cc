@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "service/base/files/read_file.h"
+#include "service/base/files/whole_file.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::base {

@@ -1,5 +1,5 @@
 // Stamps may be anything: differences and sums saturate, and are exact where they fit.
-#include "service/base/stamp.h"
+#include "service/base/clock.h"
 
 #include <gtest/gtest.h>
 

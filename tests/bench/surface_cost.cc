@@ -7,7 +7,7 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
-#include "service/base/latest.h"
+#include "service/base/handover.h"
 #include "service/client/surface_reader.h"
 #include "service/haptics/deformable/build/build_soft_body.h"
 #include "service/haptics/deformable/soft_contact.h"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "service/base/files/new_file.h"
+#include "service/base/files/whole_file.h"
 #include "service/daemon/run.h"
 #include "tests/support/process/temp_folder.h"
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "service/base/files/read_file.h"
+#include "service/base/files/whole_file.h"
 
 namespace omni::hardening {
 namespace {

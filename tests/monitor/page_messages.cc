@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/base/files/json_values.h"
+#include "service/base/files/json_document.h"
 #include "service/config/files/device_file.h"
 #include "service/monitor/page/channels.h"
 #include "service/monitor/page/page_text.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "service/base/files/read_file.h"
+#include "service/base/files/whole_file.h"
 #include "service/scene/glb_save.h"
 
 namespace omni::scene {

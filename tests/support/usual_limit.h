@@ -1,7 +1,7 @@
 // Force limit of a device that can produce two newtons in every direction.
 #pragma once
 
-#include "service/base/actuation_types.h"
+#include "service/base/force_limit.h"
 
 namespace omni::test {
 

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-#include "service/base/aggregate.h"
+#include "service/base/number_field.h"
 #include "service/base/clock.h"
 #include "service/base/material.h"
 

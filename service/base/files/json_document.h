@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -98,5 +99,25 @@ class JsonDocument {
 
 // Whether the text is JSON within the limits; to be checked before it is passed to another parser.
 Status CheckJson(std::string_view text, const JsonLimits& limits);
+
+// Reads JSON that another program has sent, perhaps of another version: missing values and other types become a
+// default.
+
+// Null when the text is no JSON, or exceeds the default JsonLimits.
+nlohmann::json ParseJsonOrNull(const std::string& text);
+
+// The value at a JSON pointer ("/tick/count"); null: it is missing.
+const nlohmann::json* ValueAt(const nlohmann::json& document, const char* pointer);
+
+// NaN when missing or no number.
+double NumberAt(const nlohmann::json& document, const char* pointer);
+
+bool TrueAt(const nlohmann::json& document, const char* pointer);
+
+// A string as it was sent, not made printable; empty when missing or no string.
+std::string StringAt(const nlohmann::json& document, const char* pointer);
+
+// An array to walk over; empty when missing or no array.
+const nlohmann::json& ArrayAt(const nlohmann::json& document, const char* pointer);
 
 }  // namespace omni::base

@@ -1,4 +1,4 @@
-#include "service/base/files/new_file.h"
+#include "service/base/files/whole_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -7,8 +7,6 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-
-#include "service/base/files/whole_file.h"
 
 namespace omni::base {
 namespace {

@@ -1,3 +1,5 @@
+// Files that are read, replaced or begun with care for what may lie at a path.
+//
 // Atomic file replacement: writes a temporary file in the same folder, syncs it, renames it into place and syncs the
 // folder. After a full disk, a kill or a power cut the path has either the old or the new content. Used for every file
 // that a user would miss. Only for set-up and threads that may wait for a disk.
@@ -5,12 +7,14 @@
 
 #include <sys/types.h>
 
+#include <cstddef>
 #include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "service/base/result.h"
+#include "service/base/unique_fd.h"
 
 namespace omni::base {
 
@@ -39,5 +43,25 @@ std::string WriteProblem(const std::string& path, int error);
 Status RemoveWholeFile(const std::string& path);
 
 Status WriteWholeFile(const std::string& path, std::string_view content, const WholeFileOptions& options = {});
+
+// Reads files that may be anything, a pipe, a device, an endless file: a regular one of at most `max_bytes`; never
+// blocks. The error names the path and what to do.
+Result<std::string> ReadFile(const std::string& path, std::size_t max_bytes);
+
+// Files that are written as a recording goes on: never over an existing one, and never through a link, so that a name
+// typed twice, or a link planted where a recording is expected, costs no file.
+
+// A new file of mode 0644 under the umask, for writing. What is no file (a device, a pipe) is opened as it is. Error:
+// it exists already (a link counts), or it cannot be made; with what to do.
+Result<UniqueFd> MakeNewFile(const std::string& path);
+
+// Why MakeNewFile would fail; empty: it would not. `replace`: after RemoveForNew.
+std::string NewFileProblem(const std::string& path, bool replace);
+
+// What the person has agreed to: removes an existing file, or a link itself. Nothing there is fine.
+Status RemoveForNew(const std::string& path);
+
+// `path`, or if there is something already, the first of path.2, path.3, ... that is free.
+std::string FreeName(const std::string& path);
 
 }  // namespace omni::base

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/calibration/fit/adjust.h"
 #include "service/calibration/fit/start.h"
 #include "service/calibration/types.h"

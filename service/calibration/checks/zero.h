@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/base/limits.h"
 #include "service/base/result.h"
 #include "service/base/vec.h"

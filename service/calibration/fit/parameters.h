@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/calibration/types.h"
 
 namespace omni::calibration {

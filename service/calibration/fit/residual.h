@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/calibration/fit/parameters.h"
 #include "service/calibration/fit/tool_field.h"
 #include "service/magnetics/disc_magnet.h"

@@ -4,7 +4,6 @@
 
 #include <span>
 
-#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/base/result.h"
 #include "service/calibration/types.h"

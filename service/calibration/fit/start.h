@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/base/result.h"
 #include "service/calibration/types.h"
 #include "service/tracker/solve/static_solve.h"

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/magnetics/disc_magnet.h"
 
 namespace omni::calibration {

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/base/result.h"
 

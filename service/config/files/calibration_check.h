@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 
 namespace omni::config {
 

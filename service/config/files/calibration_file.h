@@ -10,7 +10,6 @@
 #include <optional>
 #include <string>
 
-#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/base/result.h"
 

@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <ctime>
 
-#include "service/base/files/read_file.h"
 #include "service/base/files/whole_file.h"
 #include "service/config/text/toml_reader.h"
 

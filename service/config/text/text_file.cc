@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "service/base/files/read_file.h"
 #include "service/base/files/whole_file.h"
 
 namespace omni::config {

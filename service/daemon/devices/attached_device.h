@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "service/base/priority_mutex.h"
+#include "service/base/threads/realtime_threads.h"
 #include "service/config/files/calibration_file.h"
 #include "service/device/transport.h"
 #include "service/loop/tick_thread.h"

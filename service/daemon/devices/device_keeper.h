@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/daemon/devices/attached_device.h"
 #include "service/daemon/devices/magnet_book.h"

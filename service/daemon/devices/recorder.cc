@@ -8,7 +8,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "service/base/files/new_file.h"
 #include "service/base/files/whole_file.h"
 
 namespace omni::daemon {

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "service/base/priority_mutex.h"
+#include "service/base/threads/realtime_threads.h"
 #include "service/base/unique_fd.h"
 #include "service/config/files/app_file.h"
 #include "service/haptics/scene/scene.h"

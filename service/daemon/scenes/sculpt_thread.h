@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "service/base/priority_mutex.h"
+#include "service/base/threads/realtime_threads.h"
 #include "service/base/unique_fd.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene/scene.h"

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "service/base/priority_mutex.h"
+#include "service/base/threads/realtime_threads.h"
 #include "service/haptics/live/surface_frame.h"
 #include "service/haptics/scene/scene.h"
 #include "service/ipc/surface_publisher.h"

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "service/base/clock.h"
-#include "service/base/files/new_file.h"
+#include "service/base/files/whole_file.h"
 
 namespace omni::device {
 namespace {

@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "service/base/handover.h"
 #include "service/base/result.h"
-#include "service/base/spsc_ring.h"
 #include "service/base/unique_fd.h"
 #include "service/device/recording/recording_format.h"
 #include "service/device/transport.h"

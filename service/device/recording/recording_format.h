@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <string>
 
-#include "service/base/actuation_types.h"
+#include "service/base/force_limit.h"
 #include "service/base/hall_scan.h"
 #include "service/device/transport.h"
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "service/base/stamp.h"
+#include "service/base/clock.h"
 
 namespace omni::device {
 namespace {

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "service/base/clock.h"
-#include "service/base/stamp.h"
 #include "service/device/transport.h"
 
 namespace omni::device {

@@ -10,9 +10,9 @@
 #include <cstdint>
 
 #include "firmware/wire/messages.h"
-#include "service/base/actuation_types.h"
+#include "service/base/force_limit.h"
 #include "service/base/hall_scan.h"
-#include "service/base/latest.h"
+#include "service/base/handover.h"
 #include "service/device/base_notes.h"
 #include "service/device/clock_map.h"
 #include "service/device/commands.h"

@@ -1,7 +1,7 @@
 #include "service/haptics/applied/applied.h"
 
+#include "service/base/clock.h"
 #include "service/base/limits.h"
-#include "service/base/stamp.h"
 #include "service/base/vec.h"
 #include "service/haptics/stability/contact_watch.h"
 

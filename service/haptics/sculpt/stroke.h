@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "service/base/spsc_ring.h"
+#include "service/base/handover.h"
 #include "service/base/vec.h"
 
 namespace omni::haptics::sculpt {

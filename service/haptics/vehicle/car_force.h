@@ -3,7 +3,7 @@
 // docs/theory/haptics.md, section 8.
 #pragma once
 
-#include "service/base/actuation_types.h"
+#include "service/base/force_limit.h"
 #include "service/haptics/scene/scene_input.h"
 #include "service/haptics/state.h"
 #include "service/haptics/vehicle/car_motion.h"

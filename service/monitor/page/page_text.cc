@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/wire/names.h"
-#include "service/base/files/json_values.h"
+#include "service/base/files/json_document.h"
 #include "service/monitor/page/bit_names.h"
 #include "service/monitor/page/channels.h"
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "service/base/clock.h"
-#include "service/base/files/read_file.h"
 #include "service/base/files/whole_file.h"
 #include "service/base/sealed_memory.h"
 #include "service/scene/material_copy.h"

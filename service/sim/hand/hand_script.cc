@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "service/base/files/json_document.h"
-#include "service/base/files/read_file.h"
+#include "service/base/files/whole_file.h"
 #include "service/sim/hand/hand.h"
 
 namespace omni::sim {

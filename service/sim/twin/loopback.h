@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "service/base/actuation_types.h"
+#include "service/base/force_limit.h"
 #include "service/base/hall_scan.h"
 #include "service/device/commands.h"
 #include "service/device/scan_conversion.h"

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <utility>
 
-#include "service/base/files/new_file.h"
+#include "service/base/files/whole_file.h"
 
 namespace omni::sim {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "firmware/wire/messages.h"
-#include "service/base/stamp.h"
+#include "service/base/clock.h"
 #include "service/tools/common/terminal.h"
 
 namespace omni::tools {

@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "service/base/actuation_types.h"
-#include "service/base/calibration.h"
+#include "service/base/force_limit.h"
 #include "service/base/device_geometry.h"
 #include "service/base/hall_scan.h"
 #include "service/base/limits.h"

@@ -6,7 +6,6 @@
 #include <fstream>
 #include <string_view>
 
-#include "service/base/files/read_file.h"
 #include "service/base/files/whole_file.h"
 
 namespace omni::tools {

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/base/files/json_values.h"
+#include "service/base/files/json_document.h"
 #include "service/console/command.h"
 #include "service/console/wrap.h"
 #include "service/protocol/text.h"

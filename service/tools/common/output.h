@@ -9,7 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "service/base/files/json_values.h"
+#include "service/base/files/json_document.h"
 
 namespace omni::tools {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/clock.h"
-#include "service/base/files/json_values.h"
+#include "service/base/files/json_document.h"
 
 namespace omni::tools {
 namespace {

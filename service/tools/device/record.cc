@@ -3,7 +3,7 @@
 #include <string>
 
 #include "service/base/clock.h"
-#include "service/base/files/new_file.h"
+#include "service/base/files/whole_file.h"
 #include "service/config/files/device_file.h"
 #include "service/daemon/devices/open_device.h"
 #include "service/daemon/run.h"

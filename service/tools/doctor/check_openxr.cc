@@ -1,7 +1,7 @@
 // Do OpenXR's loader, its runtime and our layer work together?
 #include <algorithm>
 
-#include "service/base/files/read_file.h"
+#include "service/base/files/whole_file.h"
 #include "service/tools/common/files.h"
 #include "service/tools/doctor/elf_file.h"
 #include "service/tools/doctor/openxr_manifests.h"

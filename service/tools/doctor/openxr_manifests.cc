@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "service/base/files/read_file.h"
+#include "service/base/files/whole_file.h"
 #include "service/tools/common/files.h"
 
 namespace omni::tools {

@@ -8,7 +8,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/base/files/read_file.h"
 #include "service/base/files/whole_file.h"
 #include "service/tools/common/files.h"
 #include "service/tools/doctor/elf_file.h"

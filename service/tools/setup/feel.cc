@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/base/clock.h"
-#include "service/base/input_state.h"
+#include "service/base/input_mapping.h"
 #include "service/base/vec.h"
 #include "service/config/files/device_file.h"
 #include "service/monitor/trial/trial.h"

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/base/files/json_values.h"
+#include "service/base/files/json_document.h"
 #include "service/protocol/text.h"
 #include "service/tools/common/command_line.h"
 #include "service/tools/common/output.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/base/result.h"
 #include "service/tools/common/row_table.h"
 

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/base/files/new_file.h"
+#include "service/base/files/whole_file.h"
 #include "service/config/files/calibration_file.h"
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/base/limits.h"
 #include "service/base/vec.h"
 #include "service/tracker/kernel/kernel.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "service/base/stamp.h"
+#include "service/base/clock.h"
 #include "service/tracker/room/field_split.h"
 
 namespace omni::tracker {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "service/base/stamp.h"
+#include "service/base/clock.h"
 #include "service/tracker/kernel/cholesky.h"
 #include "service/tracker/kernel/matrices.h"
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/base/result.h"
 #include "service/tracker/solve/solver.h"
 

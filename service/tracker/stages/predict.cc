@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/base/clock.h"
 #include "service/base/eigen.h"
-#include "service/base/stamp.h"
 #include "service/magnetics/dipole.h"
 #include "service/tracker/stages/scan_context.h"
 

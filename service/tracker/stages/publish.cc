@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "service/base/clock.h"
 #include "service/base/eigen.h"
-#include "service/base/stamp.h"
 #include "service/tracker/filter/filter.h"
 #include "service/tracker/kernel/matrices.h"
 #include "service/tracker/solve/gap.h"

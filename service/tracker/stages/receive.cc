@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "service/base/stamp.h"
+#include "service/base/clock.h"
 #include "service/tracker/stages/scan_context.h"
 
 namespace omni::tracker {

@@ -6,7 +6,7 @@
 #include <array>
 #include <memory>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/base/vec.h"
 #include "service/tracker/kernel/linearise.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/base/hall_scan.h"
 #include "service/tracker/solve/solver.h"
 #include "service/tracker/tracker.h"

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "service/base/calibration.h"
+#include "service/base/device_geometry.h"
 #include "service/base/result.h"
 #include "tests/support/rig/rig.h"
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdint>
 
-#include "service/base/calibration.h"
 #include "service/base/device_geometry.h"
 #include "service/base/hall_scan.h"
 #include "service/base/truth_parameters.h"
