@@ -14,10 +14,10 @@
 
 #include "service/client/dial.h"
 #include "service/client/life_link.h"
+#include "service/protocol/messages.h"
 #include "service/protocol/packet_socket.h"
 #include "service/protocol/socket_path.h"
 #include "service/protocol/text.h"
-#include "service/protocol/validate.h"
 
 namespace omni::client {
 

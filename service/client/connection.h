@@ -11,7 +11,6 @@
 
 #include "service/client/state_reader.h"
 #include "service/client/surface_reader.h"
-#include "service/protocol/app_settings.h"
 #include "service/protocol/base_pose.h"
 #include "service/protocol/control.h"
 #include "service/protocol/environment.h"

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "service/protocol/sample_range.h"
-#include "service/protocol/seqlock.h"
+#include "service/protocol/state_memory.h"
 
 namespace omni::client {
 namespace {

@@ -5,9 +5,8 @@
 #include <atomic>
 #include <utility>
 
-#include "service/protocol/seqlock.h"
-#include "service/protocol/surfaces/surface_range.h"
-#include "service/protocol/surfaces/surface_words.h"
+#include "service/protocol/state_memory.h"
+#include "service/protocol/surfaces/surface_layout.h"
 
 namespace omni::client {
 

@@ -1,7 +1,7 @@
-// Read-only view of a surface memory (protocol/surfaces/surface_memory.h): surfaces that deform, are sculpted, extruded
-// or moved, for drawing. No system call after construction; any number of threads may read, each into a copy of its
-// own. Whatever the memory holds, a read ends after a bounded number of steps, stays within the mapping and yields only
-// what is in range (protocol/surfaces/surface_range.h).
+// Read-only view of a surface memory (protocol/surface_memory.h): surfaces that deform, are sculpted, extruded or
+// moved, for drawing. No system call after construction; any number of threads may read, each into a copy of its own.
+// Whatever the memory holds, a read ends after a bounded number of steps, stays within the mapping and yields only what
+// is in range (protocol/surface_layout.h).
 #pragma once
 
 #include <cstddef>

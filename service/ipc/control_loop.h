@@ -11,7 +11,7 @@
 #include "service/ipc/listener.h"
 #include "service/ipc/peer.h"
 #include "service/ipc/server.h"
-#include "service/protocol/validate.h"
+#include "service/protocol/messages.h"
 
 namespace omni::ipc {
 

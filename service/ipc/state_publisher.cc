@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "service/protocol/sample_range.h"
-#include "service/protocol/seqlock.h"
+#include "service/protocol/state_memory.h"
 
 namespace omni::ipc {
 

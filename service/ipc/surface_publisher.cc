@@ -7,9 +7,8 @@
 #include <new>
 #include <utility>
 
-#include "service/protocol/seqlock.h"
-#include "service/protocol/surfaces/surface_range.h"
-#include "service/protocol/surfaces/surface_words.h"
+#include "service/protocol/state_memory.h"
+#include "service/protocol/surfaces/surface_layout.h"
 #include "service/protocol/text.h"
 
 namespace omni::ipc {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <type_traits>
 
@@ -142,6 +143,13 @@ static_assert(sizeof(BasePoseCommand) == 536 && sizeof(BasePoseReply) == 1024);
 
 // What is wrong with the numbers of a pose; null: nothing. Unit quaternion (|q|^2 within 1e-2 of 1), finite, within
 // kFarthestBase_m.
-const char* PoseProblem(const WirePose& pose) noexcept;
+inline const char* PoseProblem(const WirePose& pose) noexcept {
+  for (const double x : pose.position_m) {
+    if (!(std::abs(x) <= kFarthestBase_m)) return "position_m is not within 100 m";
+  }
+  double norm2 = 0;
+  for (const double x : pose.orientation_wxyz) norm2 += x * x;
+  return norm2 >= 0.99 && norm2 <= 1.01 ? nullptr : "orientation_wxyz is not a unit quaternion";
+}
 
 }  // namespace omni::protocol

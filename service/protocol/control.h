@@ -2,7 +2,7 @@
 // Plain data, std only. Every message starts with MessageHeader; `size` is the whole packet.
 // A receiver refuses a wrong magic, a size that does not fit the type, and an unterminated string.
 // Version rule: equal `kProtocolVersion` or the server answers Reject (its version, a text) and closes.
-// MessageHeader and Reject keep their layout in every version. message_table.h lists all messages; validate.h is the
+// MessageHeader and Reject keep their layout in every version. message_table.h lists all messages; messages.h is the
 // gate for received bytes.
 #pragma once
 
@@ -141,5 +141,18 @@ static_assert(std::is_trivially_copyable_v<SceneCommand> && std::is_trivially_co
 static_assert(sizeof(SceneCommand) == 160 && sizeof(SceneReply) == 32);
 static_assert(std::is_trivially_copyable_v<Hello> && std::is_trivially_copyable_v<Notice>);
 static_assert(sizeof(MessageHeader) == 16 && sizeof(Hello) == 288 && sizeof(Welcome) == 40 && sizeof(Reject) == 272);
+
+// Settings from the service for an application's OpenXR layer: sent after Welcome, and again when they change.
+enum class HandSetting : std::uint32_t { kUnset = 0, kLeft = 1, kRight = 2 };
+
+inline constexpr float kLongestRest_s = 86400;
+
+struct AppSettings {
+  MessageHeader header{.type = MessageType::kAppSettings, .size = sizeof(AppSettings)};
+  HandSetting hand = HandSetting::kUnset;  // the hand that holds the pen
+  float rest_after_s = 0;                  // put down after lying still for so long; 0: the layer's default, < 0: never
+  char profile[128] = {};                  // interaction profile path to prefer, terminated; empty: the layer's order
+};
+static_assert(std::is_trivially_copyable_v<AppSettings> && sizeof(AppSettings) == 152);
 
 }  // namespace omni::protocol

@@ -4,13 +4,19 @@
 // started it and chose its environment. It ignores all of these variables.
 #pragma once
 
+#include <sys/auxv.h>
+
+#include <cstdlib>
 #include <string>
 
 namespace omni::protocol {
 
-bool IsPrivileged() noexcept;
+inline bool IsPrivileged() noexcept { return ::getauxval(AT_SECURE) != 0; }
 
 // Empty: not set, set to nothing, or this process is privileged.
-std::string Environment(const char* name);
+inline std::string Environment(const char* name) {
+  const char* value = ::secure_getenv(name);
+  return value == nullptr ? std::string() : std::string(value);
+}
 
 }  // namespace omni::protocol

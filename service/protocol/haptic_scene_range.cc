@@ -1,4 +1,4 @@
-#include "service/protocol/haptic_scene_range.h"
+#include "service/protocol/haptic_scene.h"
 
 #include <algorithm>
 #include <array>

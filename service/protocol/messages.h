@@ -1,4 +1,5 @@
-// Messages as a receiver gets them: one variant per direction, made from message_table.h, and the traits of each.
+// Messages as a receiver gets them: one variant per direction, made from message_table.h, the traits of each, and the
+// check of received bytes.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +7,6 @@
 #include <string_view>
 #include <variant>
 
-#include "service/protocol/app_settings.h"
 #include "service/protocol/base_pose.h"
 #include "service/protocol/control.h"
 #include "service/protocol/force_feedback.h"
@@ -94,5 +94,21 @@ using Message = std::variant<Invalid OMNI_LINK_MESSAGES(OMNI_ALTERNATIVE) OMNI_R
 // The messages that a ServerHandler handles.
 using Request = MessageList<void OMNI_REQUESTS(OMNI_ALTERNATIVE)>::Variant;
 #undef OMNI_ALTERNATIVE
+
+// Checks everything that arrives on the control socket: bytes in, one typed message or a reason out.
+// Code behind this check need not doubt a size, an enum, a string's end or a number again.
+inline constexpr std::int64_t kShortestPulse_ns = -1;  // XR_MIN_HAPTIC_DURATION
+inline constexpr float kHighestFrequency_Hz = 1e5f;
+
+// MessageHeader and Reject keep their layout in every version, so that either side can report another version. A
+// message of the other direction is Invalid; Validate accepts both.
+ClientMessage ValidateFromClient(const void* bytes, std::size_t size) noexcept;
+ServerMessage ValidateFromServer(const void* bytes, std::size_t size) noexcept;
+Message Validate(const void* bytes, std::size_t size) noexcept;
+
+// Table entries of a type; "unknown", 0 and kOnce if there is none.
+const char* TypeName(MessageType type) noexcept;
+std::uint32_t RolesOf(MessageType type) noexcept;  // 0: only the server sends it
+Delivery DeliveryOf(MessageType type) noexcept;
 
 }  // namespace omni::protocol

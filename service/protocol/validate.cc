@@ -1,11 +1,11 @@
-#include "service/protocol/validate.h"
+#include "service/protocol/messages.h"
 
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
 
-#include "service/protocol/haptic_scene_range.h"
+#include "service/protocol/haptic_scene.h"
 #include "service/protocol/sample_range.h"
 #include "service/protocol/state_memory.h"
 #include "service/protocol/surfaces/surface_memory.h"

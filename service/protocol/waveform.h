@@ -1,5 +1,5 @@
 // Vibrations with a shape: an amplitude envelope, or PCM samples of the force itself. Plain data, std only.
-// Message types 14 to 19. The samples follow the struct in the same packet; validate.h refuses what is out of range.
+// Message types 14 to 19. The samples follow the struct in the same packet; Validate refuses what is out of range.
 #pragma once
 
 #include <cstddef>

@@ -27,10 +27,10 @@
 #include "service/client/connection.h"
 #include "service/ipc/server.h"
 #include "service/ipc/state_publisher.h"
+#include "service/protocol/messages.h"
 #include "service/protocol/packet_socket.h"
 #include "service/protocol/socket_path.h"
 #include "service/protocol/text.h"
-#include "service/protocol/validate.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::test {

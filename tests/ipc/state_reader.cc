@@ -18,7 +18,7 @@
 
 #include "service/ipc/state_publisher.h"
 #include "service/protocol/sample_range.h"
-#include "service/protocol/seqlock.h"
+#include "service/protocol/state_memory.h"
 #include "tests/support/same_bits.h"
 
 namespace omni {

@@ -12,8 +12,8 @@
 #include "service/base/sealed_memory.h"
 #include "service/client/surface_reader.h"
 #include "service/ipc/surface_publisher.h"
-#include "service/protocol/seqlock.h"
-#include "service/protocol/surfaces/surface_range.h"
+#include "service/protocol/state_memory.h"
+#include "service/protocol/surfaces/surface_layout.h"
 
 namespace omni {
 namespace test_ipc_surface_reader {

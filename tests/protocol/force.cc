@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "service/protocol/validate.h"
+#include "service/protocol/messages.h"
 
 namespace omni::protocol {
 namespace test_protocol_force {

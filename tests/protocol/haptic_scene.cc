@@ -6,9 +6,9 @@
 #include <limits>
 #include <string>
 
-#include "service/protocol/haptic_scene_range.h"
+#include "service/protocol/haptic_scene.h"
+#include "service/protocol/messages.h"
 #include "service/protocol/text.h"
-#include "service/protocol/validate.h"
 
 namespace omni::protocol {
 namespace test_protocol_haptic_scene {

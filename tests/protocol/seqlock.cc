@@ -1,5 +1,5 @@
 // The seqlock under a writer at full speed: on one mapping, so that a thread sanitizer sees both sides.
-#include "service/protocol/seqlock.h"
+#include "service/protocol/state_memory.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,6 @@
 #include <memory>
 #include <random>
 
-#include "service/protocol/surfaces/surface_range.h"
 #include "service/protocol/text.h"
 
 namespace omni::protocol {

@@ -1,5 +1,5 @@
 // Checks of the control socket: what is accepted, and the errors of the rest.
-#include "service/protocol/validate.h"
+#include "service/protocol/messages.h"
 
 #include <gtest/gtest.h>
 

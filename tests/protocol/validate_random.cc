@@ -1,6 +1,6 @@
 // Seeded fuzz of the checks: random and mutated packets, each in memory of exactly its size so that a sanitizer sees
 // any read beyond it. Accepted messages satisfy the contract.
-#include "service/protocol/validate.h"
+#include "service/protocol/messages.h"
 
 #include <gtest/gtest.h>
 

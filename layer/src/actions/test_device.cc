@@ -7,7 +7,7 @@
 
 #include "service/base/clock.h"
 #include "service/protocol/environment.h"
-#include "service/protocol/seqlock.h"
+#include "service/protocol/state_memory.h"
 
 namespace omni::layer {
 namespace {

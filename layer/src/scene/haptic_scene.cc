@@ -12,7 +12,7 @@
 #include "layer/src/spaces/locator.h"
 #include "service/base/clock.h"
 #include "service/base/sealed_memory.h"
-#include "service/protocol/haptic_scene_range.h"
+#include "service/protocol/haptic_scene.h"
 
 namespace omni::layer {
 namespace {

@@ -5,13 +5,13 @@
 //
 // An object has kSurfaceBuffers buffers of vertices (three floats each, base frame, m) and one of triangles (three
 // 32-bit vertex numbers each), or kSurfaceBuffers of those if its triangles change, as those of a sculpted object do.
-// Publication n of vertices lies in buffer n % kSurfaceBuffers, and the entry's frame, a seqlock (seqlock.h), says
+// Publication n of vertices lies in buffer n % kSurfaceBuffers, and the entry's frame, a seqlock (state_memory.h), says
 // which publications are the newest and how much of each buffer counts.
 //
 // Neither side waits. The writer stores n in `vertices_begun` before the first word of publication n. A reader copies
 // the words of publication n, then checks `vertices_begun`: from n + kSurfaceBuffers on, the writer has reused this
 // buffer, and the reader takes the newer frame instead. It has two whole periods (22 ms) to copy. Triangles alike.
-// Every word is stored with release and loaded with acquire order, as in seqlock.h.
+// Every word is stored with release and loaded with acquire order, as in state_memory.h.
 //
 // Header and entries are written once, before the memory is shared. What outgrows its capacity, and another scene, gets
 // a new memory with a new `memory_generation`. docs/protocol/ipc.md.

@@ -9,7 +9,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "service/protocol/seqlock.h"
+#include "service/protocol/state_memory.h"
 #include "tests/layer/support/fake_service.h"
 
 namespace omni::test {
