@@ -9,9 +9,9 @@
 #include <cstring>
 #include <utility>
 
-#include "service/base/number_field.h"
 #include "service/base/clock.h"
 #include "service/base/material.h"
+#include "service/base/number_field.h"
 
 namespace omni::layer {
 namespace {

@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "service/base/threads/realtime_threads.h"
 #include "service/base/result.h"
+#include "service/base/threads/realtime_threads.h"
 #include "service/config/inputs/input_settings.h"
 #include "service/daemon/keys/key_book.h"
 

@@ -8,18 +8,18 @@
 #include <string>
 #include <vector>
 
-#include "service/base/force_limit.h"
 #include "service/base/device_geometry.h"
+#include "service/base/force_limit.h"
 #include "service/base/hall_scan.h"
 #include "service/base/limits.h"
 #include "service/base/result.h"
 #include "service/calibration/checks/coil_sweep.h"
-#include "service/calibration/types.h"
 #include "service/calibration/checks/tip.h"
 #include "service/calibration/checks/zero.h"
 #include "service/calibration/fit/self_calibration.h"
 #include "service/calibration/fit/start.h"
 #include "service/calibration/fit/window.h"
+#include "service/calibration/types.h"
 #include "service/device/transport.h"
 #include "service/tracker/tracker.h"
 

@@ -53,7 +53,7 @@ double ForgottenOf(const StillOptions& options, double dt_s, const PenPlace* pen
 // A scan of a pen that lies still: adds it to the reference, or reduces its evidence to what has changed since then.
 // covariance: of the states themselves.
 void ReduceToChange(const StillOptions& options, const DriftMatrix& covariance, StillPen& still,
-                DriftEvidence& evidence) noexcept;
+                    DriftEvidence& evidence) noexcept;
 
 // Each state wanders about zero, with this rms and this relaxation time.
 struct DriftNoise {
