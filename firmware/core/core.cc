@@ -109,7 +109,7 @@ void Core::Watch(const Observation& seen) noexcept {
   if (state_ == wire::State::kArmed) {
     Raise(wire::kFaultHostSilent, kWholeBase, static_cast<float>(now_us_ - gate_.heard_us()) * 1e-6F);
   }
-  gate_.Forget();
+  gate_.ResetSequence();
 }
 
 void Core::Advance(const Inputs&, const Observation& seen) noexcept {
@@ -172,7 +172,7 @@ void Core::CheckOutputs(Outputs& outputs) noexcept {
   for (int k = 0; k < wire::kCoils; ++k) is_finite = is_finite && IsFinite(heat_.temperature_C(k));
   if (is_allowed && is_finite) return;
   if (!is_allowed)
-    Say(LogLine(wire::LogLevel::kError).Text("a bridge was driven while ").Text(wire::StateName(state_)));
+    Say(LogLine(wire::LogLevel::kError).AddText("a bridge was driven while ").AddText(wire::StateName(state_)));
   Raise(wire::kFaultInternal, kWholeBase, 0);
   Enter(wire::State::kFault);  // whatever the stored state
   drive_.Panic();
@@ -196,7 +196,7 @@ void Core::FinishTick(const Inputs& inputs) noexcept {
   }
   tick_us_ = now_us_;
   wire::Telemetry telemetry;
-  const std::uint64_t t_device_us = tick_.Fill(settings_, inputs, hall_, heat_, telemetry);
+  const std::uint64_t t_device_us = tick_.FillTelemetry(settings_, inputs, hall_, heat_, telemetry);
   telemetry.state = state_;
   telemetry.faults = faults();
   telemetry.ack_seq = gate_.seq();
@@ -211,9 +211,9 @@ void Core::FinishTick(const Inputs& inputs) noexcept {
 void Core::Enter(wire::State state) noexcept {
   if (state == state_) return;
   LogLine line(state == wire::State::kFault ? wire::LogLevel::kWarning : wire::LogLevel::kInfo);
-  Say(line.Text(wire::StateName(state_)).Text(" -> ").Text(wire::StateName(state)));
+  Say(line.AddText(wire::StateName(state_)).AddText(" -> ").AddText(wire::StateName(state)));
   state_ = state;
-  output_check_.Enter(state);
+  output_check_.SetState(state);
   in_state_ = 0;
 }
 
@@ -240,7 +240,7 @@ void Core::Raise(wire::Fault fault, std::uint8_t part, float value) noexcept {
 }
 
 std::size_t Core::NextFrame(std::uint8_t* frame, std::size_t capacity) noexcept {
-  return outbox_.Next(now_us_, frame, capacity);
+  return outbox_.PopFrame(now_us_, frame, capacity);
 }
 
 }  // namespace omni::firmware

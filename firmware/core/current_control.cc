@@ -27,8 +27,8 @@ float CurrentControl::Step(const CoilModel& model, const CurrentRequest& request
   // (2.1), (2.2): a step towards the target, as far as slew rate and the voltage left allow.
   const float wanted_A = request.approach * (request.target_A - reference_A_);
   const float slewed_A = reference_A_ + Clamp(wanted_A, -request.slew_A, request.slew_A);
-  const float lowest_A = model.Next(reference_A_, low_V - correction_V);
-  const float highest_A = model.Next(reference_A_, high_V - correction_V);
+  const float lowest_A = model.NextCurrent_A(reference_A_, low_V - correction_V);
+  const float highest_A = model.NextCurrent_A(reference_A_, high_V - correction_V);
   const float next_A = Clamp(slewed_A, lowest_A, highest_A);
 
   // (2.5): no integration in the direction in which the voltage is saturated.

@@ -22,7 +22,7 @@ class CoilModel {
   }
 
   // (1.1): current at the end of a step that began with `current_A`.
-  float Next(float current_A, float voltage_V) const noexcept {
+  float NextCurrent_A(float current_A, float voltage_V) const noexcept {
     return decay_ * current_A + (1 - decay_) * voltage_V / resistance_ohm_;
   }
 

@@ -19,7 +19,7 @@ class Random {
     state_ = state_ * 1664525U + 1013904223U;
     return state_ >> 8;
   }
-  std::int32_t Within(std::int32_t size) noexcept {  // -size ... size
+  std::int32_t IsWithin(std::int32_t size) noexcept {  // -size ... size
     return static_cast<std::int32_t>(Next() % static_cast<std::uint32_t>(2 * size + 1)) - size;
   }
 
@@ -91,7 +91,7 @@ class IntegerPlant {
       const std::int32_t phase = static_cast<std::int32_t>(step_ / 4 % 2000);
       const std::int32_t slow = 3 * (phase < 1000 ? phase : 2000 - phase);
       const std::int32_t test = outputs.hall_self_test != 0 ? kTestField[axis] : 0;
-      inputs.field[i][axis] = static_cast<std::int16_t>(slow - 1500 + 300 * i + test + random.Within(14));
+      inputs.field[i][axis] = static_cast<std::int16_t>(slow - 1500 + 300 * i + test + random.IsWithin(14));
     }
   }
 
@@ -137,7 +137,7 @@ class Host {
     command.mode = wire::Mode::kCurrent;
     command.host_us = std::uint64_t{step} * kStepPeriod_us;
     if (step % 400 == 0) {
-      for (float& set_point_A : set_point_A_) set_point_A = static_cast<float>(random.Within(1400)) / 100.0F;
+      for (float& set_point_A : set_point_A_) set_point_A = static_cast<float>(random.IsWithin(1400)) / 100.0F;
     }
     for (int k = 0; k < wire::kCoils; ++k) command.set_point_A[k] = set_point_A_[k];
     Send(command);
@@ -197,6 +197,6 @@ DrillTally DrillWithTally(std::uint32_t steps) noexcept {
   return tally;
 }
 
-std::uint32_t Drill(std::uint32_t steps) noexcept { return DrillWithTally(steps).crc; }
+std::uint32_t DrillChecksum(std::uint32_t steps) noexcept { return DrillWithTally(steps).crc; }
 
 }  // namespace omni::firmware

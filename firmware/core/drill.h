@@ -7,7 +7,7 @@
 namespace omni::firmware {
 
 // CRC-32C chained over all outputs and frames of `steps` control steps. Only integers and + - * / sqrt of floats.
-std::uint32_t Drill(std::uint32_t steps) noexcept;
+std::uint32_t DrillChecksum(std::uint32_t steps) noexcept;
 
 // What the scenario has reached, to rule out equal checksums of empty scenarios.
 struct DrillTally {

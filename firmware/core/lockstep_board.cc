@@ -8,7 +8,7 @@ LockstepBoard::LockstepBoard(const Settings& settings, ResetCause cause, std::ui
   Start(cause);
 }
 
-void LockstepBoard::Answer(const LockstepRequest& request, LockstepAnswer& answer) noexcept {
+void LockstepBoard::HandleRequest(const LockstepRequest& request, LockstepAnswer& answer) noexcept {
   answer = LockstepAnswer{};
   if (request.op == LockstepOp::kStep) {
     Step(request, answer);

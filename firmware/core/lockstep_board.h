@@ -50,7 +50,7 @@ class LockstepBoard {
   // frames. Anything else, an unknown cause of a reset among them, is refused and counted: the core does not run, and
   // the answer's outputs brake and sleep. A frame with an impossible length is passed to the core as an empty one,
   // which refuses and counts it.
-  void Answer(const LockstepRequest& request, LockstepAnswer& answer) noexcept;
+  void HandleRequest(const LockstepRequest& request, LockstepAnswer& answer) noexcept;
 
   const Core& core() const noexcept { return *core_; }
   std::uint32_t refused() const noexcept { return refused_; }

@@ -12,7 +12,7 @@ constexpr float kStep_s = 250e-6F;
 static_assert(kStepPeriod_us == 250, "kStep_s says the same");
 constexpr int kStepsPerMs = 1000 / static_cast<int>(kStepPeriod_us);
 
-constexpr bool Bit(std::uint8_t mask, int i) noexcept { return ((mask >> i) & 1U) != 0; }
+constexpr bool TestBit(std::uint8_t mask, int i) noexcept { return ((mask >> i) & 1U) != 0; }
 
 constexpr float Abs(float value) noexcept { return value < 0 ? -value : value; }
 constexpr float Min(float a, float b) noexcept { return a < b ? a : b; }

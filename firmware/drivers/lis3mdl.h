@@ -37,7 +37,7 @@ class Lis3mdl {
   }
 
   // Whether Read would find a new sample: kOk, or kNoNewSample. Two bytes on the bus. An undriven line reads as either.
-  ChipStatus Look() noexcept {
+  ChipStatus CheckForSample() noexcept {
     if (!started_) return ChipStatus::kNotStarted;
     std::uint8_t value = 0;
     const ChipStatus status = ReadRegisters(lis3mdl::kStatus, &value, 1);

@@ -89,8 +89,8 @@ inline ControlAnswer GetString(std::uint8_t index, const ControlState& state, st
 }
 
 inline ControlAnswer GetDescriptor(const Setup& setup, const ControlState& state, std::uint8_t* data) noexcept {
-  const std::uint8_t index = Low(setup.value);
-  const std::uint8_t type = High(setup.value);
+  const std::uint8_t index = LowByte(setup.value);
+  const std::uint8_t type = HighByte(setup.value);
   if (type == kDescriptorString) return GetString(index, state, data);
   if (index != 0) return {};
   switch (type) {
@@ -111,12 +111,12 @@ inline ControlAnswer GetDescriptor(const Setup& setup, const ControlState& state
 
 inline ControlAnswer SetAddress(const Setup& setup, const ControlState&, std::uint8_t*) noexcept {
   if (setup.value > 127 || setup.length != 0) return {};
-  return {ControlAction::kSetAddress, Low(setup.value), 0};
+  return {ControlAction::kSetAddress, LowByte(setup.value), 0};
 }
 
 inline ControlAnswer SetConfiguration(const Setup& setup, const ControlState&, std::uint8_t*) noexcept {
   if (setup.value > kConfigurationValue || setup.length != 0) return {};
-  return {ControlAction::kSetConfiguration, Low(setup.value), 0};
+  return {ControlAction::kSetConfiguration, LowByte(setup.value), 0};
 }
 
 inline ControlAnswer GetConfiguration(const Setup&, const ControlState& state, std::uint8_t* data) noexcept {
@@ -155,7 +155,7 @@ inline ControlAnswer EndpointFeature(const Setup& setup, const ControlState& sta
   if (setup.value != kFeatureHalt || setup.length != 0) return {};
   if (IsControlEndpoint(setup.index)) return {ControlAction::kNothing, 0, 0};  // never halted for long
   if (!IsBulkEndpoint(setup.index, state)) return {};
-  return {action, Low(setup.index), 0};
+  return {action, LowByte(setup.index), 0};
 }
 
 inline ControlAnswer ClearEndpointFeature(const Setup& setup, const ControlState& state, std::uint8_t*) noexcept {

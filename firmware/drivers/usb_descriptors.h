@@ -45,12 +45,12 @@ enum StringIndex : std::uint8_t {
   kStringSerial = 3
 };
 
-constexpr std::uint8_t Low(std::uint32_t value) noexcept { return static_cast<std::uint8_t>(value & 0xFF); }
-constexpr std::uint8_t High(std::uint32_t value) noexcept { return static_cast<std::uint8_t>((value >> 8) & 0xFF); }
+constexpr std::uint8_t LowByte(std::uint32_t value) noexcept { return static_cast<std::uint8_t>(value & 0xFF); }
+constexpr std::uint8_t HighByte(std::uint32_t value) noexcept { return static_cast<std::uint8_t>((value >> 8) & 0xFF); }
 
 template <std::size_t A, std::size_t B>
-constexpr std::array<std::uint8_t, A + B> Join(const std::array<std::uint8_t, A>& a,
-                                               const std::array<std::uint8_t, B>& b) noexcept {
+constexpr std::array<std::uint8_t, A + B> Concatenate(const std::array<std::uint8_t, A>& a,
+                                                      const std::array<std::uint8_t, B>& b) noexcept {
   std::array<std::uint8_t, A + B> bytes{};
   for (std::size_t i = 0; i < A; ++i) bytes[i] = a[i];
   for (std::size_t i = 0; i < B; ++i) bytes[A + i] = b[i];
@@ -84,10 +84,10 @@ constexpr std::array<std::uint8_t, 18> kDevice = {18,
                                                   0x00,
                                                   0x00,  // class, subclass, protocol: defined by the interface
                                                   static_cast<std::uint8_t>(kControlPacket),
-                                                  Low(kVendorId),
-                                                  High(kVendorId),
-                                                  Low(kProductId),
-                                                  High(kProductId),
+                                                  LowByte(kVendorId),
+                                                  HighByte(kVendorId),
+                                                  LowByte(kProductId),
+                                                  HighByte(kProductId),
                                                   0x01,
                                                   0x00,  // bcdDevice
                                                   kStringManufacturer,
@@ -125,15 +125,15 @@ constexpr std::array<std::uint8_t, 32> Configuration(std::uint8_t type, std::uin
           kDescriptorEndpoint,
           kEndpointOut,
           0x02,
-          Low(packet),
-          High(packet),
+          LowByte(packet),
+          HighByte(packet),
           0,
           7,
           kDescriptorEndpoint,
           kEndpointIn,
           0x02,
-          Low(packet),
-          High(packet),
+          LowByte(packet),
+          HighByte(packet),
           0};
 }
 constexpr auto kConfigurationHigh = Configuration(kDescriptorConfiguration, kBulkPacketHigh);
@@ -152,27 +152,36 @@ static_assert(kManufacturer[0] == kManufacturer.size() && kProduct[0] == kProduc
 constexpr auto kMsOsPropertyName = Utf16("DeviceInterfaceGUIDs");
 // A list of strings (REG_MULTI_SZ) ends with an empty one: two zeros in all.
 constexpr auto kMsOsPropertyData =
-    Join(Utf16("{655E2F77-EED6-4D58-B59F-4C9BA12D7C30}"), std::array<std::uint8_t, 2>{0, 0});
+    Concatenate(Utf16("{655E2F77-EED6-4D58-B59F-4C9BA12D7C30}"), std::array<std::uint8_t, 2>{0, 0});
 constexpr std::size_t kMsOsPropertySize = 10 + kMsOsPropertyName.size() + kMsOsPropertyData.size();
 constexpr std::size_t kMsOsSize = 10 + 20 + kMsOsPropertySize;
 constexpr std::array<std::uint8_t, 4> kWindows81 = {0x00, 0x00, 0x03, 0x06};
 
-constexpr std::array<std::uint8_t, 10> kMsOsHeader = {
-    10, 0, 0x00, 0x00, kWindows81[0], kWindows81[1], kWindows81[2], kWindows81[3], Low(kMsOsSize), High(kMsOsSize)};
+constexpr std::array<std::uint8_t, 10> kMsOsHeader = {10,
+                                                      0,
+                                                      0x00,
+                                                      0x00,
+                                                      kWindows81[0],
+                                                      kWindows81[1],
+                                                      kWindows81[2],
+                                                      kWindows81[3],
+                                                      LowByte(kMsOsSize),
+                                                      HighByte(kMsOsSize)};
 constexpr std::array<std::uint8_t, 20> kMsOsCompatibleId = {20, 0, 0x03, 0x00, 'W', 'I', 'N', 'U', 'S', 'B',
                                                             0,  0, 0,    0,    0,   0,   0,   0,   0,   0};
 constexpr std::array<std::uint8_t, 8> kMsOsPropertyHeader = {
-    Low(kMsOsPropertySize),        High(kMsOsPropertySize),       0x04, 0x00, 0x07, 0x00,  // REG_MULTI_SZ
-    Low(kMsOsPropertyName.size()), High(kMsOsPropertyName.size())};
-constexpr std::array<std::uint8_t, 2> kMsOsPropertyDataSize = {Low(kMsOsPropertyData.size()),
-                                                               High(kMsOsPropertyData.size())};
-constexpr auto kMsOs = Join(Join(Join(kMsOsHeader, kMsOsCompatibleId), Join(kMsOsPropertyHeader, kMsOsPropertyName)),
-                            Join(kMsOsPropertyDataSize, kMsOsPropertyData));
+    LowByte(kMsOsPropertySize),        HighByte(kMsOsPropertySize),       0x04, 0x00, 0x07, 0x00,  // REG_MULTI_SZ
+    LowByte(kMsOsPropertyName.size()), HighByte(kMsOsPropertyName.size())};
+constexpr std::array<std::uint8_t, 2> kMsOsPropertyDataSize = {LowByte(kMsOsPropertyData.size()),
+                                                               HighByte(kMsOsPropertyData.size())};
+constexpr auto kMsOs = Concatenate(
+    Concatenate(Concatenate(kMsOsHeader, kMsOsCompatibleId), Concatenate(kMsOsPropertyHeader, kMsOsPropertyName)),
+    Concatenate(kMsOsPropertyDataSize, kMsOsPropertyData));
 static_assert(kMsOs.size() == kMsOsSize && kMsOsSize == 162, "wTotalLength");
 
 // BOS: header (5), MS OS 2.0 capability (28), WebUSB capability (24). A platform capability names itself by a UUID.
 constexpr std::size_t kBosSize = 5 + 28 + 24;
-constexpr std::array<std::uint8_t, 5> kBosHeader = {5, kDescriptorBos, Low(kBosSize), High(kBosSize), 2};
+constexpr std::array<std::uint8_t, 5> kBosHeader = {5, kDescriptorBos, LowByte(kBosSize), HighByte(kBosSize), 2};
 // {D8DD60DF-4589-4CC7-9CD2-659D9E648A9F}
 constexpr std::array<std::uint8_t, 28> kBosMsOs = {28,
                                                    kDescriptorCapability,
@@ -198,8 +207,8 @@ constexpr std::array<std::uint8_t, 28> kBosMsOs = {28,
                                                    kWindows81[1],
                                                    kWindows81[2],
                                                    kWindows81[3],
-                                                   Low(kMsOsSize),
-                                                   High(kMsOsSize),
+                                                   LowByte(kMsOsSize),
+                                                   HighByte(kMsOsSize),
                                                    kRequestMsOs,
                                                    0};  // no other enumeration
 // {3408B638-09A9-47A0-8BFD-A0768815B665}, version 1.0, no landing page
@@ -227,7 +236,7 @@ constexpr std::array<std::uint8_t, 24> kBosWebUsb = {24,
                                                      0x01,
                                                      kRequestWebUsb,
                                                      0};
-constexpr auto kBos = Join(kBosHeader, Join(kBosMsOs, kBosWebUsb));
+constexpr auto kBos = Concatenate(kBosHeader, Concatenate(kBosMsOs, kBosWebUsb));
 static_assert(kBos.size() == kBosSize && kBosMsOs[0] == kBosMsOs.size() && kBosWebUsb[0] == kBosWebUsb.size(),
               "wTotalLength and bLength");
 

@@ -85,7 +85,7 @@ class UsbDevice {
   }
 
   // From the controller's interrupt; spurious calls are harmless.
-  void Interrupt() noexcept {
+  void HandleInterrupt() noexcept {
     if (state_ == DeviceState::kOff) return;
     const std::uint32_t status = bus_.Read(kUsbSts) & kUsbStsHandled;
     bus_.Write(kUsbSts, status);

@@ -132,18 +132,18 @@ const char* Find(Rows<Name> names, std::uint32_t value) noexcept {
 }  // namespace
 
 Rows<Name> MessageTypes() noexcept { return All(kMessageTypes); }
-Rows<Name> Capabilities() noexcept { return All(kCapabilities); }
-Rows<Name> States() noexcept { return All(kStates); }
-Rows<Name> Modes() noexcept { return All(kModes); }
+Rows<Name> CapabilityNames() noexcept { return All(kCapabilities); }
+Rows<Name> StateNames() noexcept { return All(kStates); }
+Rows<Name> ModeNames() noexcept { return All(kModes); }
 Rows<Name> ArmSteps() noexcept { return All(kArmSteps); }
 Rows<Name> ConfigOps() noexcept { return All(kConfigOps); }
 Rows<Name> ConfigIds() noexcept { return All(kConfigIds); }
 Rows<Name> LogLevels() noexcept { return All(kLogLevels); }
-Rows<FaultText> Faults() noexcept { return All(kFaults); }
+Rows<FaultText> FaultTexts() noexcept { return All(kFaults); }
 
 const char* MessageTypeName(MessageType type) noexcept { return Find(MessageTypes(), Value(type)); }
-const char* StateName(State state) noexcept { return Find(States(), Value(state)); }
-const char* ModeName(Mode mode) noexcept { return Find(Modes(), Value(mode)); }
+const char* StateName(State state) noexcept { return Find(StateNames(), Value(state)); }
+const char* ModeName(Mode mode) noexcept { return Find(ModeNames(), Value(mode)); }
 const char* ArmStepName(ArmStep step) noexcept { return Find(ArmSteps(), Value(step)); }
 const char* ConfigOpName(ConfigOp op) noexcept { return Find(ConfigOps(), Value(op)); }
 const char* LogLevelName(LogLevel level) noexcept { return Find(LogLevels(), Value(level)); }

@@ -34,14 +34,14 @@ struct Rows {
 
 // In the order of the values.
 Rows<Name> MessageTypes() noexcept;
-Rows<Name> Capabilities() noexcept;
-Rows<Name> States() noexcept;
-Rows<Name> Modes() noexcept;
+Rows<Name> CapabilityNames() noexcept;
+Rows<Name> StateNames() noexcept;
+Rows<Name> ModeNames() noexcept;
 Rows<Name> ArmSteps() noexcept;
 Rows<Name> ConfigOps() noexcept;
 Rows<Name> ConfigIds() noexcept;
 Rows<Name> LogLevels() noexcept;
-Rows<FaultText> Faults() noexcept;
+Rows<FaultText> FaultTexts() noexcept;
 
 // "unknown" for a value unknown to this build.
 const char* MessageTypeName(MessageType type) noexcept;

@@ -149,9 +149,9 @@ void PrintMessages() {
 
 void PrintEnums() {
   std::printf("## Values\n\n");
-  PrintNames("Capability bits", Capabilities(), true);
-  PrintNames("State", States(), false);
-  PrintNames("Mode", Modes(), false);
+  PrintNames("Capability bits", CapabilityNames(), true);
+  PrintNames("State", StateNames(), false);
+  PrintNames("Mode", ModeNames(), false);
   PrintNames("ArmStep", ArmSteps(), false);
   PrintNames("ConfigOp", ConfigOps(), false);
   PrintNames("ConfigId", ConfigIds(), true);
@@ -164,7 +164,7 @@ void PrintFaults() {
       "`value` has "
       "this unit (empty: none).\n\n| bit | name | what the base saw | part | value | what to do "
       "|\n|---|---|---|---|---|---|\n");
-  for (const FaultText& row : Faults()) {
+  for (const FaultText& row : FaultTexts()) {
     unsigned bit = 0;
     while ((1UL << bit) != row.fault) ++bit;
     std::printf("| %u | %s | %s | %s | %s | %s |\n", bit, row.name, row.meaning, row.part, row.unit, row.advice);

@@ -66,7 +66,7 @@ CameraAngles AddPlace(Command& app, DrawArguments& arguments) {
   app.Add("--supersampling", arguments.options.supersampling, "samples along each side of a pixel").Range(1, 8);
   app.Add("--zoom", arguments.options.zoom).Range(0.1, 20.0);
   Option look_at =
-      app.Add("--look-at", arguments.look_at_mm, "x y z of the picture's middle in the base frame, mm").Numbers(3);
+      app.Add("--look-at", arguments.look_at_mm, "x y z of the picture's middle in the base frame, mm").ExpectValues(3);
   app.Add("--span", arguments.span_mm, "length shown along the shorter side, mm").Range(1.0, 1000.0).Needs(look_at);
   return {elevation, azimuth};
 }
@@ -82,15 +82,17 @@ void PlaceCamera(const CameraAngles& angles, DrawArguments& arguments) {
 void AddTouch(Command& app, DrawArguments& arguments) {
   Option contact =
       app.Add("--contact", arguments.tip_mm, "x y z of the tip in the base frame, mm: draws the contact there")
-          .Numbers(3);
-  app.Add("--from", arguments.from_mm, "x y z the tip comes from (default: 20 mm above)").Numbers(3).Needs(contact);
+          .ExpectValues(3);
+  app.Add("--from", arguments.from_mm, "x y z the tip comes from (default: 20 mm above)")
+      .ExpectValues(3)
+      .Needs(contact);
   Option rest = app.Add("--rest", arguments.rest, "the scene before it was sculpted or dented: its paint");
   app.Add("--show-displacement", arguments.displacement_mm, "colours displacements from --rest, up to this many mm")
       .Range(0.01, 100.0)
       .Needs(rest);
-  Option pen = app.Add("--pen", arguments.pen_mm, "x y z of the tip, mm: draws a pen there").Numbers(3);
-  app.Add("--pen-axis", arguments.axis, "x y z, out of its tip").Numbers(3).Needs(pen);
-  app.Add("--force", arguments.force_N, "x y z, N: an arrow at its tip, 20 mm/N").Numbers(3).Needs(pen);
+  Option pen = app.Add("--pen", arguments.pen_mm, "x y z of the tip, mm: draws a pen there").ExpectValues(3);
+  app.Add("--pen-axis", arguments.axis, "x y z, out of its tip").ExpectValues(3).Needs(pen);
+  app.Add("--force", arguments.force_N, "x y z, N: an arrow at its tip, 20 mm/N").ExpectValues(3).Needs(pen);
   app.Add("--race", arguments.race, "recording of omnid: the car's path, laps and hits, best from the top");
   app.Add("--caption", arguments.caption, "a line below the picture");
 }

@@ -175,13 +175,13 @@ std::string OnOneLine(const Json& json) {
 }
 
 // One line per property.
-std::string Printed(const Json& json, const std::string& indent, const std::string& name) {
+std::string Format(const Json& json, const std::string& indent, const std::string& name) {
   if (!json.is_structured() || (name != "properties" && IsFlat(json))) return OnOneLine(json);
   const std::string inner = indent + "  ";
   std::string text;
   for (const auto& [key, part] : json.items()) {
     text += (text.empty() ? "" : ",\n") + inner + (json.is_object() ? Json(key).dump() + ": " : "") +
-            Printed(part, inner, key);
+            Format(part, inner, key);
   }
   return (json.is_object() ? "{\n" : "[\n") + text + "\n" + indent + (json.is_object() ? "}" : "]");
 }
@@ -207,7 +207,7 @@ std::string UpdatedSchema(const std::string& schema) {
       place[name] = PropertyOf(row);
     }
   }
-  return Printed(root, "", "") + "\n";
+  return Format(root, "", "") + "\n";
 }
 
 }  // namespace omni::scenes

@@ -104,7 +104,7 @@ void ApplyForceLimit(const base::ForceLimit& limit, double last_force_N, Current
   const base::LimitAlong net{.a = size_N * size_N,
                              .b = Dot(coils_N, limit.snapping_N),
                              .c = std::min(0.0, pull_N2 - Square(limit.force_max_N))};
-  double share = std::max(0.0, net.Cut(1));
+  double share = std::max(0.0, net.ClampToLimit(1));
   if (!(size_N * share <= last_force_N + limit.force_rise_N)) share = (last_force_N + limit.force_rise_N) / size_N;
   if (!(share >= 1)) Scale(share, currents);
 }

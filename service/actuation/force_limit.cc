@@ -70,7 +70,7 @@ base::ForceLimit LimitWith(const Config& config, const base::ToolState& tool, co
   limit.snapping_N = force.snapping_N;
   limit.snapping_Nm = force.snapping_Nm;
   if (config.compensate_snapping) {
-    const base::Vec3 held = base::Times(inverse.ampere_per_newton, force.snapping_N);
+    const base::Vec3 held = base::Multiply(inverse.ampere_per_newton, force.snapping_N);
     limit.bias_A = {-held.x, -held.y, -held.z};
     limit.bias_fade_N = config.bias_fade_N;
   }
@@ -131,7 +131,7 @@ base::Vec3 ForceFromCurrents(const ForceMap& map, const base::ToolState& tool,
   const ForceAtPose force = EvaluateForceMap(map, tool.position_base_m, tool.axis_base, tool.moment_scale);
   if (!force.valid) return {};
   const base::Vec3 current_A{coil_current_A[0], coil_current_A[1], coil_current_A[2]};
-  return base::Times(force.newton_per_ampere, current_A) + force.snapping_N;
+  return base::Multiply(force.newton_per_ampere, current_A) + force.snapping_N;
 }
 
 }  // namespace omni::actuation

@@ -37,7 +37,7 @@ std::optional<base::Vec3> DwellDetector::Add(double t_s, const base::Vec3& tip_m
   return last_;
 }
 
-void DwellDetector::Settle(const base::Vec3& tip_m) {
+void DwellDetector::MarkTouched(const base::Vec3& tip_m) {
   Reset();
   last_ = tip_m;
 }

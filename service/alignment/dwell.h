@@ -24,7 +24,7 @@ class DwellDetector {
   // The tip's place at that time, in any one frame. A result: the touch is complete, its mean place.
   std::optional<base::Vec3> Add(double t_s, const base::Vec3& tip_m);
   // A touch was taken here by other means: the next one is elsewhere.
-  void Settle(const base::Vec3& tip_m);
+  void MarkTouched(const base::Vec3& tip_m);
   // A hand's tracking was lost, or the person starts over.
   void Reset();
   // 0 to 1: how much of the time the tip has been still for.

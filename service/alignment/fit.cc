@@ -127,7 +127,7 @@ base::Result<Solved> SolveAll(const std::vector<Sample>& samples, const Prior& p
   return solved;
 }
 
-// How far a touch is from where the placement of the others puts it, and how far that may be.
+// How far a touch is from where the base pose of the others puts it, and how far that may be.
 struct Contradiction {
   double by_m = 0;
   double sigma_m = 0;
@@ -185,7 +185,7 @@ base::Status CheckGeometry(const std::vector<Sample>& samples, const Limits& lim
   return base::Ok{};
 }
 
-base::Result<Outcome> Fit(const std::vector<Sample>& samples, const Prior& prior, const Limits& limits) {
+base::Result<Outcome> FitBasePose(const std::vector<Sample>& samples, const Prior& prior, const Limits& limits) {
   if (auto checked = CheckGeometry(samples, limits, "places"); !checked.ok()) return base::Error{checked.error()};
   base::Result<Solved> solved = SolveAll(samples, prior, limits);
   if (!solved.ok()) return base::Error{solved.error()};

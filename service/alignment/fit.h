@@ -6,8 +6,8 @@
 
 namespace omni::alignment {
 
-// Samples in the order of time. Rejects what cannot make a good placement; the error says what to do.
-base::Result<Outcome> Fit(const std::vector<Sample>& samples, const Prior& prior, const Limits& limits);
+// Samples in the order of time. Rejects what cannot make a good base pose; the error says what to do.
+base::Result<Outcome> FitBasePose(const std::vector<Sample>& samples, const Prior& prior, const Limits& limits);
 
 // Checks what Limits requires of the points alone, before a fit. `what` names them: "marks", "places".
 base::Status CheckGeometry(const std::vector<Sample>& samples, const Limits& limits, const std::string& what);

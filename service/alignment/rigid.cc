@@ -51,18 +51,18 @@ Rigid Inverse(const Rigid& X_AB) {
   return {.orientation = FromEigen(q_BA), .position_m = FromEigen(Eigen::Vector3d(-(q_BA * ToEigen(X_AB.position_m))))};
 }
 
-base::Vec3 Apply(const Rigid& X_AB, const base::Vec3& p_B) {
+base::Vec3 TransformPoint(const Rigid& X_AB, const base::Vec3& p_B) {
   return FromEigen(Eigen::Vector3d(ToEigen(X_AB.orientation) * ToEigen(p_B) + ToEigen(X_AB.position_m)));
 }
 
-Rigid Nudged(const Rigid& X_LB, double yaw_rad, const base::Vec3& shift_space_m) {
+Rigid NudgedPose(const Rigid& X_LB, double yaw_rad, const base::Vec3& shift_space_m) {
   const Eigen::Quaterniond yaw(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitY()));
   return {.orientation = FromEigen((yaw * ToEigen(X_LB.orientation)).normalized()),
           .position_m = FromEigen(Eigen::Vector3d(ToEigen(X_LB.position_m) + ToEigen(shift_space_m)))};
 }
 
 double Distance_m(const Rigid& a, const Rigid& b, const base::Vec3& point_base_m) {
-  return (ToEigen(Apply(a, point_base_m)) - ToEigen(Apply(b, point_base_m))).norm();
+  return (ToEigen(TransformPoint(a, point_base_m)) - ToEigen(TransformPoint(b, point_base_m))).norm();
 }
 
 double Angle_rad(const Rigid& a, const Rigid& b) {

@@ -15,7 +15,7 @@ constexpr int kIterations = 40;      // of a root that is found in about five
 
 // A f
 Currents Push(const ForceLimit& limit, const Vec3& force_N) noexcept {
-  const Vec3 push = Times(limit.ampere_per_newton, force_N);
+  const Vec3 push = Multiply(limit.ampere_per_newton, force_N);
   return {push.x, push.y, push.z};
 }
 
@@ -68,7 +68,7 @@ double ScaleOfSmall(const ForceLimit& limit, const Vec3& force_N, const Currents
                     double most) noexcept {
   const auto beyond = [&](double s) {
     const double share = BiasShare(limit, s * norm_N);
-    return NetForce(limit, force_N, share).Cut(LargestShare(limit, Bias(limit, share), push_A, most)) - s;
+    return NetForce(limit, force_N, share).ClampToLimit(LargestShare(limit, Bias(limit, share), push_A, most)) - s;
   };
   double low = 0, high = most;
   double at_high = beyond(high);
@@ -118,7 +118,7 @@ double LargestShare(const ForceLimit& limit, const Currents& start_A, const Curr
     if (!(end >= 0)) return -1;
     share = std::min(share, end);
   }
-  share = Heat(limit, start_A, step_A).Cut(share);
+  share = Heat(limit, start_A, step_A).ClampToLimit(share);
   // A start beyond a limit comes back into it only further on.
   return share >= 0 && Fits(limit, start_A, step_A, share) ? share : -1;
 }
@@ -139,7 +139,7 @@ double FeasibleScale(const ForceLimit& limit, const Vec3& force_N) noexcept {
 
 Vec3 Rendered_N(const ForceLimit& limit, const Vec3& force_N) noexcept {
   if (!limit.near_singular) return force_N;
-  return Times(limit.newton_per_ampere, Times(limit.ampere_per_newton, force_N));
+  return Multiply(limit.newton_per_ampere, Multiply(limit.ampere_per_newton, force_N));
 }
 
 double ForceMax_N(const ForceLimit& limit, const Vec3& direction) noexcept {

@@ -51,7 +51,7 @@ struct ForceLimit {
 static_assert(std::is_trivially_copyable_v<Wrench> && std::is_trivially_copyable_v<ForceLimit>);
 
 // M v, M row-major 3x3 as in `ForceLimit`.
-constexpr Vec3 Times(const std::array<double, 9>& M, const Vec3& v) noexcept {
+constexpr Vec3 Multiply(const std::array<double, 9>& M, const Vec3& v) noexcept {
   return {M[0] * v.x + M[1] * v.y + M[2] * v.z, M[3] * v.x + M[4] * v.y + M[5] * v.z,
           M[6] * v.x + M[7] * v.y + M[8] * v.z};
 }
@@ -62,7 +62,7 @@ struct LimitAlong {
 
   double At(double s) const noexcept { return (a * s + 2 * b) * s + c; }
   // `s` if it is within, else the greater root if that is less; negative if there is none.
-  double Cut(double s) const noexcept {
+  double ClampToLimit(double s) const noexcept {
     if (At(s) <= 0) return s;
     const double square = b * b - a * c;
     if (!(square >= 0)) return -1;
@@ -95,13 +95,13 @@ double ForceMax_N(const ForceLimit& limit, const Vec3& direction) noexcept;
 // Force on the tool while `current_A` flow. Zero where the pose is unknown.
 inline Vec3 ForceOf_N(const ForceLimit& limit, const std::array<double, kCoilCount>& current_A) noexcept {
   if (!limit.valid) return {};
-  return Times(limit.newton_per_ampere, {current_A[0], current_A[1], current_A[2]}) + limit.snapping_N;
+  return Multiply(limit.newton_per_ampere, {current_A[0], current_A[1], current_A[2]}) + limit.snapping_N;
 }
 
 // Torque on the tool while `current_A` flow, about the magnet's centre. Zero where the pose is unknown.
 inline Vec3 TorqueOf_Nm(const ForceLimit& limit, const std::array<double, kCoilCount>& current_A) noexcept {
   if (!limit.valid) return {};
-  return Times(limit.newton_metre_per_ampere, {current_A[0], current_A[1], current_A[2]}) + limit.snapping_Nm;
+  return Multiply(limit.newton_metre_per_ampere, {current_A[0], current_A[1], current_A[2]}) + limit.snapping_Nm;
 }
 
 }  // namespace omni::base

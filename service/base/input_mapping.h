@@ -62,7 +62,7 @@ inline constexpr int kSourceCount = static_cast<int>(InputSource::kCount);
 using SourceMask = std::uint64_t;
 static_assert(kSourceCount <= 64);
 
-constexpr SourceMask Bit(InputSource source) noexcept { return SourceMask{1} << static_cast<unsigned>(source); }
+constexpr SourceMask SourceBit(InputSource source) noexcept { return SourceMask{1} << static_cast<unsigned>(source); }
 constexpr SourceMask KeyBit(int slot) noexcept {
   return SourceMask{1} << (static_cast<unsigned>(InputSource::kFirstKey) + static_cast<unsigned>(slot));
 }
@@ -119,7 +119,7 @@ static_assert(std::is_trivially_copyable_v<InputMapping>);
 constexpr InputMapping DefaultMapping() noexcept {
   InputMapping mapping;
   const auto feed = [&mapping](InputComponent component, InputSource source) {
-    mapping.components[static_cast<std::size_t>(component)].plus = Bit(source);
+    mapping.components[static_cast<std::size_t>(component)].plus = SourceBit(source);
   };
   feed(InputComponent::kTipForce, InputSource::kTipForce);
   feed(InputComponent::kSelect, InputSource::kPress);

@@ -16,7 +16,7 @@ struct LifePage {
   std::atomic<std::uint64_t> stamp_ns{0};  // CLOCK_MONOTONIC of the newest one; 0: this process writes none
 
   // Any thread of the process whose page this is.
-  void Beat(std::int64_t now_ns) noexcept {
+  void SignalAlive(std::int64_t now_ns) noexcept {
     stamp_ns.store(static_cast<std::uint64_t>(now_ns), std::memory_order_relaxed);
     beat.fetch_add(1, std::memory_order_release);
   }
@@ -29,7 +29,7 @@ static_assert(std::atomic<std::uint64_t>::is_always_lock_free && sizeof(LifePage
 class LifeWatch {
  public:
   // `now_ns`: CLOCK_MONOTONIC. No system call.
-  void Look(const LifePage& page, std::int64_t now_ns) noexcept {
+  void Update(const LifePage& page, std::int64_t now_ns) noexcept {
     const std::uint64_t beat = page.beat.load(std::memory_order_acquire);
     if (looked_ && beat != beat_) {
       const auto stamp_ns = static_cast<std::int64_t>(page.stamp_ns.load(std::memory_order_relaxed));

@@ -59,7 +59,7 @@ constexpr Vec3 Max(const Vec3& a, const Vec3& b) noexcept {
 }
 
 // True if every component is a number and |component| <= limit.
-inline bool Within(const Vec3& a, double limit) noexcept {
+inline bool IsWithin(const Vec3& a, double limit) noexcept {
   return std::abs(a.x) <= limit && std::abs(a.y) <= limit && std::abs(a.z) <= limit;
 }
 

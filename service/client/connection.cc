@@ -359,7 +359,7 @@ bool Connection::connected() const noexcept { return impl_->phase == Impl::Phase
 
 std::shared_ptr<const StateReader> Connection::state() const noexcept { return impl_->reader; }
 
-void Connection::Beat() noexcept { impl_->life.Beat(); }
+void Connection::SignalAlive() noexcept { impl_->life.SignalAlive(); }
 
 bool Connection::SendSession(protocol::SessionState state) noexcept {
   if (impl_->info.role != protocol::ClientRole::kApplication) return false;

@@ -58,7 +58,7 @@ struct SceneAnswer {
   std::string file;          // kSave: bytes of a .glb
 };
 
-// The answer to a placement command.
+// The answer to a base pose command.
 struct BasePoseAnswer {
   std::uint32_t number = 0;  // that SendBasePoseCommand returned
   bool done = false;         // false: refused
@@ -82,7 +82,7 @@ class Connection {
   std::shared_ptr<const StateReader> state() const noexcept;
 
   // Sign of life: one relaxed add into our own page. Any thread.
-  void Beat() noexcept;
+  void SignalAlive() noexcept;
 
   // One of OMNI_LINK_MESSAGES or OMNI_REQUESTS (protocol/message_table.h). `file`: descriptor to pass along, still
   // owned by the caller; < 0: none. False: not sent, because this client is not connected, its role may not send it, it
@@ -128,7 +128,7 @@ class Connection {
   // dropped.
   static constexpr std::size_t kMaxHapticSceneUpdates = 16;
   std::vector<HapticSceneUpdate> PopHapticSceneUpdates();
-  // Requests the base's placement in one of these spaces; repeated on reconnection. The answer and every later change
+  // Requests the base's pose in one of these spaces; repeated on reconnection. The answer and every later change
   // arrive through PopBasePose. False: not connected yet, the request is sent on connection.
   bool RequestBasePose(const protocol::BasePoseRequest& request) noexcept;
   // The newest since the last call.

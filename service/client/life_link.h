@@ -20,7 +20,7 @@ class LifeLink {
   std::string Attach(int fd);
   void Detach() noexcept;
 
-  void Beat() noexcept { page_->Beat(base::MonotonicNow_ns()); }
+  void SignalAlive() noexcept { page_->SignalAlive(base::MonotonicNow_ns()); }
 
  private:
   protocol::LifePage* page_;

@@ -163,11 +163,11 @@ base::Result<std::shared_ptr<const StateReader>> StateReader::Map(base::UniqueFd
   return reader;
 }
 
-bool StateReader::Newest(ToolSample& sample) const noexcept { return ToolRing(*memory_).Newest(sample); }
+bool StateReader::ReadNewest(ToolSample& sample) const noexcept { return ToolRing(*memory_).Newest(sample); }
 
-bool StateReader::Newest(BaseSample& sample) const noexcept { return BaseRing(*memory_).Newest(sample); }
+bool StateReader::ReadNewest(BaseSample& sample) const noexcept { return BaseRing(*memory_).Newest(sample); }
 
-bool StateReader::Earlier(std::uint32_t back, ToolSample& sample) const noexcept {
+bool StateReader::ReadEarlier(std::uint32_t back, ToolSample& sample) const noexcept {
   const auto ring = ToolRing(*memory_);
   for (int attempt = 0; attempt < protocol::kMaxTornReads; ++attempt) {
     const std::uint64_t published = ring.Published();
@@ -179,7 +179,7 @@ bool StateReader::Earlier(std::uint32_t back, ToolSample& sample) const noexcept
 
 std::uint64_t StateReader::published() const noexcept { return ToolRing(*memory_).Published(); }
 
-bool StateReader::At(std::uint64_t index, ToolSample& sample, protocol::TelemetrySample& telemetry) const noexcept {
+bool StateReader::ReadAt(std::uint64_t index, ToolSample& sample, protocol::TelemetrySample& telemetry) const noexcept {
   protocol::TelemetrySample copy;
   const auto ring = ToolRing(*memory_);
   if (index >= ring.Published() || !ring.Read(index, sample)) return false;
@@ -200,21 +200,23 @@ bool StateReader::ReadBlock(const Block& block, Snapshot& snapshot) noexcept {
   return false;
 }
 
-bool StateReader::Inputs(protocol::InputSnapshot& inputs) const noexcept { return ReadBlock(memory_->inputs, inputs); }
+bool StateReader::ReadInputs(protocol::InputSnapshot& inputs) const noexcept {
+  return ReadBlock(memory_->inputs, inputs);
+}
 
-bool StateReader::Contacts(protocol::ContactSnapshot& contacts) const noexcept {
+bool StateReader::ReadContacts(protocol::ContactSnapshot& contacts) const noexcept {
   return ReadBlock(memory_->contacts, contacts);
 }
 
-bool StateReader::Vehicle(protocol::VehicleSnapshot& vehicle) const noexcept {
+bool StateReader::ReadVehicle(protocol::VehicleSnapshot& vehicle) const noexcept {
   return ReadBlock(memory_->vehicle, vehicle);
 }
 
-bool StateReader::Around(std::int64_t t_ns, ToolSample& before, ToolSample& after) const noexcept {
+bool StateReader::ReadAround(std::int64_t t_ns, ToolSample& before, ToolSample& after) const noexcept {
   return ToolRing(*memory_).Around(t_ns, before, after);
 }
 
-bool StateReader::Around(std::int64_t t_ns, BaseSample& before, BaseSample& after) const noexcept {
+bool StateReader::ReadAround(std::int64_t t_ns, BaseSample& before, BaseSample& after) const noexcept {
   return BaseRing(*memory_).Around(t_ns, before, after);
 }
 

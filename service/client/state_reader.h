@@ -26,33 +26,33 @@ class StateReader {
   std::uint64_t service_instance() const noexcept { return service_instance_; }
 
   // Newest published sample. False: nothing published yet, or torn kMaxTornReads times.
-  bool Newest(protocol::ToolSample& sample) const noexcept;
+  bool ReadNewest(protocol::ToolSample& sample) const noexcept;
 
   // The sample that was published `back` samples before the newest; the oldest kept if there are not so many. False as
   // for Newest.
-  bool Earlier(std::uint32_t back, protocol::ToolSample& sample) const noexcept;
+  bool ReadEarlier(std::uint32_t back, protocol::ToolSample& sample) const noexcept;
 
   // The two samples around t_ns: before.t_ns <= t_ns <= after.t_ns. t_ns past the newest: both are the newest;
   // before the oldest kept: both are the oldest. False as for Newest.
-  bool Around(std::int64_t t_ns, protocol::ToolSample& before, protocol::ToolSample& after) const noexcept;
+  bool ReadAround(std::int64_t t_ns, protocol::ToolSample& before, protocol::ToolSample& after) const noexcept;
 
   // The same of where a moving base is. False also if no base has moved yet.
-  bool Newest(protocol::BaseSample& sample) const noexcept;
-  bool Around(std::int64_t t_ns, protocol::BaseSample& before, protocol::BaseSample& after) const noexcept;
+  bool ReadNewest(protocol::BaseSample& sample) const noexcept;
+  bool ReadAround(std::int64_t t_ns, protocol::BaseSample& before, protocol::BaseSample& after) const noexcept;
 
   // Publications so far; the newest is published() - 1.
   std::uint64_t published() const noexcept;
 
   // Of one publication. False: not published yet, overwritten (the newest kRingCapacity - 1 are kept), or out of range.
-  bool At(std::uint64_t index, protocol::ToolSample& sample, protocol::TelemetrySample& telemetry) const noexcept;
+  bool ReadAt(std::uint64_t index, protocol::ToolSample& sample, protocol::TelemetrySample& telemetry) const noexcept;
 
-  bool Inputs(protocol::InputSnapshot& inputs) const noexcept;
+  bool ReadInputs(protocol::InputSnapshot& inputs) const noexcept;
 
   // What the tip touches now. False as for Newest.
-  bool Contacts(protocol::ContactSnapshot& contacts) const noexcept;
+  bool ReadContacts(protocol::ContactSnapshot& contacts) const noexcept;
 
   // The car of the active scene; `vehicle.on` says whether it has one. False as for Newest.
-  bool Vehicle(protocol::VehicleSnapshot& vehicle) const noexcept;
+  bool ReadVehicle(protocol::VehicleSnapshot& vehicle) const noexcept;
 
  private:
   explicit StateReader(base::Mapping mapping)

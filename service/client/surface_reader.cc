@@ -116,7 +116,7 @@ bool SurfaceReader::ReadTriangles(std::size_t object, const SurfaceFrame& frame,
          protocol::InRange(to, frame.vertex_count);
 }
 
-bool SurfaceReader::Pulse(protocol::SurfacePulse& pulse) const noexcept {
+bool SurfaceReader::ReadPulse(protocol::SurfacePulse& pulse) const noexcept {
   const auto& header = *reinterpret_cast<const protocol::SurfaceHeader*>(memory_);
   for (int attempt = 0; attempt < protocol::kMaxTornReads; ++attempt) {
     if (protocol::LoadCell(header.pulse, pulse) != 0) return true;

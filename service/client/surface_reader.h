@@ -1,7 +1,7 @@
-// Read-only view of a surface memory (protocol/surface_memory.h): surfaces that deform, are sculpted, extruded or
-// moved, for drawing. No system call after construction; any number of threads may read, each into a copy of its own.
-// Whatever the memory holds, a read ends after a bounded number of steps, stays within the mapping and yields only what
-// is in range (protocol/surface_layout.h).
+// Read-only view of a surface memory (protocol/surfaces/surface_memory.h): surfaces that deform, are sculpted, extruded
+// or moved, for drawing. No system call after construction; any number of threads may read, each into a copy of its
+// own. Whatever the memory holds, a read ends after a bounded number of steps, stays within the mapping and yields only
+// what is in range (protocol/surfaces/surface_layout.h).
 #pragma once
 
 #include <cstddef>
@@ -57,7 +57,7 @@ class SurfaceReader {
   SurfaceRead Read(std::size_t object, SurfaceCopy& copy) const;
 
   // False: the writer has not polled yet, or torn kMaxTornReads times.
-  bool Pulse(protocol::SurfacePulse& pulse) const noexcept;
+  bool ReadPulse(protocol::SurfacePulse& pulse) const noexcept;
 
  private:
   SurfaceReader(base::Mapping mapping, std::uint64_t bytes);

@@ -147,7 +147,7 @@ Option Option::Required() { return Option(option_->required()); }
 
 Option Option::ShowDefault() { return Option(option_->capture_default_str()); }
 
-Option Option::Numbers(int n) { return Option(option_->expected(n)); }
+Option Option::ExpectValues(int n) { return Option(option_->expected(n)); }
 
 Option Option::Range(int min, int max) { return Option(option_->check(CLI::Range(min, max))); }
 
@@ -234,7 +234,7 @@ Option Command::Add(const std::string& name, std::vector<double>& value, const s
   return Option(app_->add_option(name, value, about));
 }
 
-void Command::Run(std::function<int()> action) {
+void Command::SetAction(std::function<int()> action) {
   app_->callback([action = std::move(action)] { throw CLI::RuntimeError(action()); });
 }
 
@@ -280,7 +280,7 @@ int Fail(const std::string& command, const std::string& message) {
   return kExitFailed;
 }
 
-int Refuse(const std::string& command, const std::string& message) {
+int FailUsage(const std::string& command, const std::string& message) {
   Fail(command, message);
   return kExitUsage;
 }

@@ -36,8 +36,8 @@ class Option {
   explicit Option(CLI::Option* option) : option_(option) {}
 
   Option Required();
-  Option ShowDefault();   // in --help: the value that it has by now
-  Option Numbers(int n);  // of a list: so many values, neither more nor less
+  Option ShowDefault();        // in --help: the value that it has by now
+  Option ExpectValues(int n);  // of a list: so many values, neither more nor less
 
   // Values that are not so are refused, and --help says how they have to be.
   Option Range(int min, int max);  // both inclusive, of the type of the value
@@ -84,11 +84,11 @@ class Command {
   Option AddShort(const std::string& name, std::string& value, const std::string& word, const std::string& about);
 
   // What the command does, once all words are right. Its result is the program's exit status.
-  void Run(std::function<int()> action);
+  void SetAction(std::function<int()> action);
   // The same for a function of the arguments, which live as long as the program.
   template <class Arguments>
-  void Run(std::shared_ptr<Arguments> arguments, int (*action)(const std::type_identity_t<Arguments>&)) {
-    Run([arguments, action] { return action(*arguments); });
+  void SetAction(std::shared_ptr<Arguments> arguments, int (*action)(const std::type_identity_t<Arguments>&)) {
+    SetAction([arguments, action] { return action(*arguments); });
   }
 
  protected:
@@ -130,7 +130,7 @@ class Program : public Command {
 };
 
 // Write "COMMAND: MESSAGE" to stderr. command: "omni calibrate".
-int Fail(const std::string& command, const std::string& message);    // it did not work: kExitFailed
-int Refuse(const std::string& command, const std::string& message);  // wrong arguments: kExitUsage
+int Fail(const std::string& command, const std::string& message);       // it did not work: kExitFailed
+int FailUsage(const std::string& command, const std::string& message);  // wrong arguments: kExitUsage
 
 }  // namespace omni::console

@@ -68,7 +68,7 @@ FileWriter::~FileWriter() {
   }
 }
 
-std::uint64_t FileWriter::Request(const std::string& path, std::string text) {
+std::uint64_t FileWriter::RequestWrite(const std::string& path, std::string text) {
   const std::lock_guard lock(shared_->mutex);
   const std::uint64_t number = ++shared_->requested;
   shared_->waiting[path] = {number, std::move(text)};

@@ -25,7 +25,7 @@ class FileWriter {
   FileWriter& operator=(const FileWriter&) = delete;
 
   // Control thread only; neither waits for a disk. Numbers count from 1.
-  std::uint64_t Request(const std::string& path, std::string text);
+  std::uint64_t RequestWrite(const std::string& path, std::string text);
   struct Written {
     std::uint64_t number = 0;  // and of every earlier one for that file
     std::string path;

@@ -76,7 +76,7 @@ void LineLimit::ReportOne(Kind& kind, std::int64_t now_ns, std::string& out) {
   out += '\n';
 }
 
-void LineLimit::Report(std::int64_t now_ns, std::string& out) {
+void LineLimit::AppendDueLines(std::int64_t now_ns, std::string& out) {
   for (Kind& kind : kinds_) {
     Fill(kind, now_ns);
     if (kind.held_back == 0 || kind.tokens == 0) continue;

@@ -94,7 +94,7 @@ class Writer {
       const bool stop = Wait();
       state_.writing.store(true);
       const bool any = ReadSome();
-      limit_.Report(base::MonotonicNow_ns(), text_);
+      limit_.AppendDueLines(base::MonotonicNow_ns(), text_);
       if (stop && !any) PopRest();
       WriteAll();
       state_.writing.store(false);

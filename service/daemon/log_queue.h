@@ -26,7 +26,7 @@ class LineLimit {
   // Appends `line` (without its end) to `out`, or holds it back.
   void Add(std::string_view line, std::int64_t now_ns, std::string& out);
   // Appends what was held back and may be written now: the newest line of each kind, and how many more there were.
-  void Report(std::int64_t now_ns, std::string& out);
+  void AppendDueLines(std::int64_t now_ns, std::string& out);
   // The same for everything held back, due or not: the log ends.
   void ReportAll(std::int64_t now_ns, std::string& out);
   bool holds_back() const;

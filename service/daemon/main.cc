@@ -14,10 +14,10 @@ int ParseAndRun(int argc, char** argv) {
   omni::daemon::AddOptions(app, options);
   if (const auto ended = app.Parse(argc, argv)) return *ended;
   if (options.replay_fast && !omni::daemon::IsReplay(options.device)) {
-    return omni::console::Refuse("omnid", "--replay-fast: needs --device replay:FILE");
+    return omni::console::FailUsage("omnid", "--replay-fast: needs --device replay:FILE");
   }
   if (const std::string problem = omni::daemon::OptionsProblem(options); !problem.empty()) {
-    return omni::console::Refuse("omnid", problem);
+    return omni::console::FailUsage("omnid", problem);
   }
   if (const auto way = omni::daemon::MakeWay(options); !way.ok()) return omni::console::Fail("omnid", way.error());
   return omni::daemon::Run(options);

@@ -5,6 +5,7 @@
 #include "service/config/files/calibration_file.h"
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"
+#include "service/console/command.h"
 #include "service/daemon/devices/open_device.h"
 #include "service/magnetics/nominal.h"
 #include "service/sim/hand/hand.h"

@@ -37,7 +37,7 @@ bool ServeDevice(const RunOptions& options, const base::DeviceGeometry& device, 
   const EndWatch::CoilsToZero zero(end, [&service] { service.device().CoilsToZero(); });
   DeviceKeeper keeper(options, device, sink, service.device(), end);
   if (!keeper.Open() && IsReplay(options.device)) return false;
-  while (!end.Wait(kPoll_ms) && keeper.Watch()) {
+  while (!end.Wait(kPoll_ms) && keeper.Poll()) {
     if (options.exit_idle_s <= 0 || service.Idle_s() < options.exit_idle_s) continue;
     spdlog::info("no client for {} s: omnid ends", options.exit_idle_s);
     break;

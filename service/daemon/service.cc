@@ -138,12 +138,12 @@ struct Service::RequestHandler {
   void operator()(const protocol::Session& session) const { service.SetSession(id, session.state); }
   void operator()(const protocol::Haptic& haptic) const {
     if (!IsOwner()) return;
-    service.commands_.vibration().Tone(haptic);
+    service.commands_.vibration().PlayTone(haptic);
     Commit();
   }
   void operator()(const protocol::ShapedHaptic& haptic) const {
     if (!IsOwner()) return;
-    service.commands_.vibration().Shape(haptic, base::MonotonicNow_ns());
+    service.commands_.vibration().PlayShaped(haptic, base::MonotonicNow_ns());
     Commit();
   }
   void operator()(const protocol::HapticStop& /*stop*/) const {
@@ -156,7 +156,7 @@ struct Service::RequestHandler {
   requires std::is_constructible_v<protocol::ForceRequest, const M&>
   void operator()(const M& force) const {
     const std::int64_t now_ns = base::MonotonicNow_ns();
-    if (service.force_.Handle(id, force, now_ns)) service.WriteCommands(now_ns);
+    if (service.force_.HandleRequest(id, force, now_ns)) service.WriteCommands(now_ns);
     if (std::is_same_v<M, protocol::ForceClaim>) service.SendForceProperties();
   }
 
@@ -172,7 +172,7 @@ struct Service::RequestHandler {
     spdlog::warn("emergency stop: {} by {}", on ? "pressed" : "released", who);
   }
   void operator()(const protocol::SurfaceRequest& request) const {
-    if (service.clients_.Find(id) != nullptr) service.surfaces_.Request(id, request.wanted != 0);
+    if (service.clients_.Find(id) != nullptr) service.surfaces_.HandleRequest(id, request.wanted != 0);
   }
   void operator()(const protocol::SceneCommand& command) const {
     constexpr SculptAction kActions[] = {SculptAction::kEdits, SculptAction::kUndo, SculptAction::kRedo,
@@ -199,21 +199,21 @@ struct Service::RequestHandler {
 
   void operator()(const protocol::BasePoseRequest& request) const {
     if (service.clients_.Find(id) == nullptr) return;
-    service.base_poses_.Request(id, request, UnixNow_s());
+    service.base_poses_.HandleRequest(id, request, UnixNow_s());
     service.SendBasePoses();
   }
   void operator()(const protocol::SpaceChange& change) const {
     const Client* client = service.clients_.Find(id);
     if (client == nullptr || !client->session_seen) return;
-    service.base_poses_.Change(id, change, base::MonotonicNow_ns());
+    service.base_poses_.HandleSpaceChange(id, change, base::MonotonicNow_ns());
     service.SendBasePoses();
   }
   void operator()(const protocol::BasePoseCommand& command) const {
-    service.base_pose_writer_.Answer(id, command.number, service.base_poses_.Execute(command, UnixNow_s()));
+    service.base_pose_writer_.ReplyWhenWritten(id, command.number, service.base_poses_.Execute(command, UnixNow_s()));
     service.SendBasePoses();
   }
   void operator()(const protocol::BaseMotion& motion) const {
-    const FollowedBase::Taken taken = service.followed_base_.Take(id, motion, base::MonotonicNow_ns());
+    const FollowedBase::Taken taken = service.followed_base_.HandleMotion(id, motion, base::MonotonicNow_ns());
     if (taken.problem != nullptr) service.Problem(id, 1, taken.problem);
     service.PublishBase(taken.sample);
     service.SendBasePoses();
@@ -236,9 +236,9 @@ void Service::PublishBase(const std::optional<protocol::BaseSample>& sample) {
 
 // Of the owner; without one, of any client.
 bool Service::Aligned() const {
-  if (clients_.owner() != nullptr) return base_poses_.Aligned(clients_.owner_id());
+  if (clients_.owner() != nullptr) return base_poses_.IsAligned(clients_.owner_id());
   return std::any_of(clients_.all().begin(), clients_.all().end(),
-                     [this](const auto& client) { return base_poses_.Aligned(client.first); });
+                     [this](const auto& client) { return base_poses_.IsAligned(client.first); });
 }
 
 void Service::OnPeriod(std::int64_t now_ns) {
@@ -262,11 +262,12 @@ void Service::WriteCommands(std::int64_t now_ns) {
   const ipc::ClientId id = clients_.owner_id();
   scenes_.SetOwner(id);
   force_.SetOwner(id);
-  std::shared_ptr<const protocol::LifePage> life = owner == nullptr || server_ == nullptr ? nullptr : server_->Life(id);
+  std::shared_ptr<const protocol::LifePage> life =
+      owner == nullptr || server_ == nullptr ? nullptr : server_->LifePageOf(id);
   const bool alive = life != nullptr || server_ == nullptr;
   commands_.Write(
       now_ns,
-      {.owner = owner, .life = std::move(life), .allowed = alive && !stop_.on(), .applied = force_.Command(now_ns)},
+      {.owner = owner, .life = std::move(life), .allowed = alive && !stop_.on(), .applied = force_.MakeCommand(now_ns)},
       clients_.all().empty());
 }
 
@@ -295,7 +296,7 @@ void Service::FeelField() {
   const auto field = device_.With([](const AttachedDevice::State& state) { return state.field; });
   if (field.second_ns == felt_second_ns_) return;
   felt_second_ns_ = field.second_ns;
-  base_poses_.Feel(field.field_base_T);
+  base_poses_.UpdateField(field.field_base_T);
 }
 
 void Service::SendForceProperties() {

@@ -42,7 +42,7 @@ struct ServiceOptions {
   std::string alignment_path;              // where bases stand in headsets' spaces; empty: nothing is stored
   std::string stop_path;                   // latch of an emergency stop; empty: none is kept
   bool base_follows = false;               // also before a tool reports where the base is
-  std::function<void(bool)> on_aligned{};  // control thread: whether the owner's headset has a measured placement
+  std::function<void(bool)> on_aligned{};  // control thread: whether the owner's headset has a measured base pose
   std::function<void(const protocol::BaseSample&)> on_base{};  // control thread: where a base that moves is
 };
 

@@ -48,7 +48,7 @@ bool Arming::OnArm(const wire::Arm& arm, std::int64_t t_ns) noexcept {
   return false;
 }
 
-bool Arming::Next(std::int64_t t_ns, wire::Arm& arm) noexcept {
+bool Arming::NextToSend(std::int64_t t_ns, wire::Arm& arm) noexcept {
   if (phase_ != Phase::kAsk && phase_ != Phase::kConfirm) return false;
   arm = {};
   arm.step = phase_ == Phase::kAsk ? wire::ArmStep::kRequest : wire::ArmStep::kConfirm;

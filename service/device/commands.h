@@ -19,7 +19,7 @@ class Arming {
   // False: an unsolicited answer; nothing changes.
   bool OnArm(const wire::Arm& arm, std::int64_t t_ns) noexcept;
   // True: `arm` is to be sent now.
-  bool Next(std::int64_t t_ns, wire::Arm& arm) noexcept;
+  bool NextToSend(std::int64_t t_ns, wire::Arm& arm) noexcept;
 
   // By the newest telemetry: set-points take effect.
   bool armed() const noexcept { return armed_; }

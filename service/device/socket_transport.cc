@@ -160,7 +160,7 @@ class SocketTransport final : public Transport {
 
   void SendArm() noexcept {
     wire::Arm arm;
-    if (!arming_.Next(base::MonotonicNow_ns(), arm)) return;
+    if (!arming_.NextToSend(base::MonotonicNow_ns(), arm)) return;
     std::array<std::uint8_t, wire::FrameSize<wire::Arm>()> frame;
     const wire::Encoded encoded = wire::Encode(arm, arm_seq_++, 0, frame.data(), frame.size());
     if (send(socket_.get(), frame.data(), encoded.size, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) ++counters_.send_failed;

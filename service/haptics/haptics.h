@@ -121,7 +121,7 @@ static_assert(std::is_trivially_copyable_v<Output>);
 
 // Sets `state` for a scene that has just become current: nothing touched, car at its start, ramp at zero. Keeps
 // last_force_N, so that the slew limit holds over the swap.
-void Enter(const Scene& scene, State& state) noexcept;
+void EnterScene(const Scene& scene, State& state) noexcept;
 
 // Force on the tool at the device point. `scene` empty: zero force (slewed down).
 void Step(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept;

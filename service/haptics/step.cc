@@ -42,16 +42,16 @@ void Clear(Output& output) noexcept {
 
 bool IsClean(const Input& input) noexcept {
   return input.dt_s >= 0 && input.dt_s <= kLongestTick_s && input.tracked &&
-         Within(input.device_point_base_m, kFarthestTip_m) && Within(input.velocity_base_m_s, kFastestTip_m_s);
+         IsWithin(input.device_point_base_m, kFarthestTip_m) && IsWithin(input.velocity_base_m_s, kFastestTip_m_s);
 }
 
 // The input without values that cannot be used.
 Input Cleaned(const Input& input) noexcept {
   Input clean = input;
   clean.dt_s = input.dt_s >= 0 ? std::min(input.dt_s, kLongestTick_s) : 0;
-  clean.tracked = input.tracked && Within(input.device_point_base_m, kFarthestTip_m);
+  clean.tracked = input.tracked && IsWithin(input.device_point_base_m, kFarthestTip_m);
   if (!clean.tracked) clean.device_point_base_m = {};
-  if (!Within(input.velocity_base_m_s, kFastestTip_m_s)) clean.velocity_base_m_s = {};
+  if (!IsWithin(input.velocity_base_m_s, kFastestTip_m_s)) clean.velocity_base_m_s = {};
   return clean;
 }
 
@@ -104,7 +104,7 @@ Vec3 LookAround(const ContactScene& contact_scene, double stiffness_limit_N_m, c
     const Target target = contact_scene.TargetOf(i);
     if ((target.object.flags & kCollidable) == 0) continue;
     if (target.boxed && !(BoxDistance(target.object, target.tip) < distance_m)) continue;
-    contact_scene.On(i, [&](const auto& view) noexcept {
+    contact_scene.VisitSurface(i, [&](const auto& view) noexcept {
       const NearestResult found = NearestInTree(view, target.root, target.tip, distance_m);
       if (found.triangle == kNoIndex) return;
       distance_m = std::sqrt(found.closest.distance_squared);
@@ -269,7 +269,7 @@ void Limit(const Config& config, const Input& input, const Vec3& wanted_N, State
     const double again = base::FeasibleScale(input.limit, force_N);
     if (again < 1) force_N = again * force_N;
   }
-  if (!Within(force_N, 1e3)) force_N = {};
+  if (!IsWithin(force_N, 1e3)) force_N = {};
   state.last_force_N = force_N;
   output.force_base_N = force_N;
   output.in_contact = Norm(force_N) > config.contact_threshold_N;
@@ -326,8 +326,8 @@ void Render(const Config& config, const StiffnessBound& bound, const Scene& scen
   Vec3 others_N;
   if (!scene.empty()) {
     touched = Touch(scene, bound, input, state, output);
-    others_N =
-        touched.others_N + Play(config, bound, scene, input, touched.contacts_N + touched.others_N, state, output);
+    others_N = touched.others_N +
+               StepVehicle(config, bound, scene, input, touched.contacts_N + touched.others_N, state, output);
   }
   const bool passive = IsAlone(input, steady, state) && !touched.moving && others_N == Vec3{};
   output.energy_gain = Watch(measured, touched, steady, passive, state);
@@ -359,7 +359,7 @@ void StepClean(const Config& config, const Scene& scene, const Input& input, Sta
 
 }  // namespace
 
-void Enter(const Scene& scene, State& state) noexcept {
+void EnterScene(const Scene& scene, State& state) noexcept {
   State entered;
   entered.last_force_N = Rotated(state.placement.rotation, state.last_force_N);  // the new scene stands at the origin
   entered.bound = state.bound;

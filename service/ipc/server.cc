@@ -45,7 +45,7 @@ void Server::Stop() {
   if (impl_->thread.joinable() && impl_->thread.get_id() != std::this_thread::get_id()) impl_->thread.join();
 }
 
-std::shared_ptr<const protocol::LifePage> Server::Life(ClientId id) const {
+std::shared_ptr<const protocol::LifePage> Server::LifePageOf(ClientId id) const {
   const Peer* peer = impl_->loop->Find(id);
   return peer != nullptr ? peer->life() : nullptr;
 }

@@ -69,7 +69,7 @@ class Server {
   // Control thread only (from within handler calls).
   // The client's sign of life; null: unknown client. The page stays mapped while it is held, also after OnGone. Its
   // seals fix its size: whatever the client does to it, reading it raises no signal.
-  std::shared_ptr<const protocol::LifePage> Life(ClientId id) const;
+  std::shared_ptr<const protocol::LifePage> LifePageOf(ClientId id) const;
   // One of OMNI_SERVER_MESSAGES, followed by `tail`, truncated to what a message holds. `file`: descriptor to pass
   // along, still owned by the caller; < 0: none. False: not sent, because the client's socket is full or it is gone. A
   // message of Delivery::kOnce is then lost, and counted.

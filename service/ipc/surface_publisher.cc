@@ -107,7 +107,7 @@ SurfacePublish SurfacePublisher::Publish(std::size_t index, const SurfaceUpdate&
   return SurfacePublish::kDone;
 }
 
-void SurfacePublisher::Pulse(std::int64_t t_ns) noexcept {
+void SurfacePublisher::PublishPulse(std::int64_t t_ns) noexcept {
   auto* header = reinterpret_cast<SurfaceHeader*>(at(0));
   protocol::StoreCell(header->pulse, protocol::SequenceOf(poll_count_), {.t_ns = t_ns, .poll_count = poll_count_ + 1});
   ++poll_count_;

@@ -49,7 +49,7 @@ class SurfacePublisher {
   SurfacePublish Publish(std::size_t index, const SurfaceUpdate& update) noexcept;
 
   // Call after each poll of the scene, whether something has changed or not.
-  void Pulse(std::int64_t t_ns) noexcept;
+  void PublishPulse(std::int64_t t_ns) noexcept;
 
   int fd() const noexcept { return memory_file_.fd.get(); }  // to be passed to clients; stays ours
   std::uint64_t bytes() const noexcept { return layout_.total_bytes; }

@@ -8,9 +8,9 @@
 namespace omni::loop {
 namespace {
 
-using base::Bit;
 using base::InputSource;
 using base::InputThresholds;
+using base::SourceBit;
 using base::SourceMask;
 using base::Vec3;
 
@@ -57,7 +57,7 @@ SourceMask Clicking(std::int64_t t_ns, const GestureState& state) noexcept {
   SourceMask on = 0;
   for (const InputSource source :
        {InputSource::kTap, InputSource::kDoubleTap, InputSource::kFlick, InputSource::kFlickAxial}) {
-    if (t_ns < state.click_end_ns[static_cast<std::size_t>(source)]) on |= Bit(source);
+    if (t_ns < state.click_end_ns[static_cast<std::size_t>(source)]) on |= SourceBit(source);
   }
   return on;
 }
@@ -122,7 +122,7 @@ SourceMask FollowDwell(const InputThresholds& thresholds, const GestureInput& in
   }
   dwell.on = base::Elapsed_s(input.t_ns, dwell.t_since_ns) >= thresholds.dwell_s;
   if (!dwell.on) return 0;
-  return Bit(touching ? InputSource::kDwell : InputSource::kHoverDwell);
+  return SourceBit(touching ? InputSource::kDwell : InputSource::kHoverDwell);
 }
 
 // There and back: reaching for something is as fast, but does not turn round.
@@ -176,7 +176,7 @@ SourceMask FollowAway(const InputThresholds& thresholds, const GestureInput& inp
   }
   away.on = base::Elapsed_s(input.t_ns, away.t_near_ns) >= thresholds.away_untracked_s ||
             (near && base::Elapsed_s(input.t_ns, away.t_still_ns) >= thresholds.away_still_s);
-  return away.on ? Bit(InputSource::kAway) : 0;
+  return away.on ? SourceBit(InputSource::kAway) : 0;
 }
 
 // Resets everything of the pen in the hand; away and the clock go on.
@@ -207,8 +207,8 @@ SourceMask UpdateGestures(const InputThresholds& thresholds, const GestureInput&
   state.detent = input.steady_force_N >= (state.detent ? thresholds.detent_release_N : thresholds.detent_press_N);
   const SourceMask away = FollowAway(thresholds, input, touching, state.away);
   SourceMask on = Clicking(input.t_ns, state) | FollowDwell(thresholds, input, touching, state.dwell) | away;
-  if (state.detent) on |= Bit(InputSource::kDetent);
-  if (away != 0) on &= ~Bit(InputSource::kHoverDwell);
+  if (state.detent) on |= SourceBit(InputSource::kDetent);
+  if (away != 0) on &= ~SourceBit(InputSource::kHoverDwell);
   return on;
 }
 

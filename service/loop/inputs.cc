@@ -9,14 +9,15 @@
 namespace omni::loop {
 namespace {
 
-using base::Bit;
 using base::InputComponent;
 using base::InputSource;
+using base::SourceBit;
 using base::SourceMask;
 
-constexpr SourceMask kGestures = Bit(InputSource::kTap) | Bit(InputSource::kDoubleTap) | Bit(InputSource::kDwell) |
-                                 Bit(InputSource::kHoverDwell) | Bit(InputSource::kDetent) | Bit(InputSource::kFlick) |
-                                 Bit(InputSource::kFlickAxial) | Bit(InputSource::kAway);
+constexpr SourceMask kGestures = SourceBit(InputSource::kTap) | SourceBit(InputSource::kDoubleTap) |
+                                 SourceBit(InputSource::kDwell) | SourceBit(InputSource::kHoverDwell) |
+                                 SourceBit(InputSource::kDetent) | SourceBit(InputSource::kFlick) |
+                                 SourceBit(InputSource::kFlickAxial) | SourceBit(InputSource::kAway);
 
 std::size_t Index(InputSource source) noexcept { return static_cast<std::size_t>(source); }
 
@@ -33,7 +34,7 @@ void SetSource(const InputConfig& config, InputSource source, double value, std:
   if (!Changed(config, wanted, held.value)) return;
   held = {.value = wanted, .t_change_ns = t_ns};
   const bool on = std::abs(wanted) > 0.5F;
-  tracker.on = on ? tracker.on | Bit(source) : tracker.on & ~Bit(source);
+  tracker.on = on ? tracker.on | SourceBit(source) : tracker.on & ~SourceBit(source);
 }
 
 // First-order low-pass; goes to rest at once when nothing is live.
@@ -59,7 +60,7 @@ void FollowPen(const InputConfig& config, const base::InputThresholds& threshold
                const haptics::Output& haptics, InputTracker& tracker) noexcept {
   const double asked_N = std::isfinite(haptics.tip_normal_force_N) ? haptics.tip_normal_force_N : 0;
   const double force_N = FilterForce(config, asked_N, sample.live, sample.t_ns, tracker);
-  const bool pressed = (tracker.on & Bit(InputSource::kPress)) != 0;
+  const bool pressed = (tracker.on & SourceBit(InputSource::kPress)) != 0;
   const bool press = pressed ? force_N > thresholds.release_N : force_N >= thresholds.press_N;
   const bool stick = sample.live && haptics.joystick;
   const auto set = [&](InputSource source, double value) { SetSource(config, source, value, sample.t_ns, tracker); };
@@ -127,7 +128,7 @@ void SetComponent(const InputConfig& config, double value, std::int64_t t_ns, ba
   held.t_change_ns = std::max(held.t_change_ns, t_ns);
 }
 
-constexpr base::SourceMask kDetent = base::Bit(base::InputSource::kDetent);
+constexpr base::SourceMask kDetent = base::SourceBit(base::InputSource::kDetent);
 
 void StartPulse(double amplitude_N, DetentState& state) noexcept {
   state.time_s = 0;

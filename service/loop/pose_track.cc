@@ -110,7 +110,7 @@ TrackedPose PoseAt(const PoseTrack& track, std::int64_t t_ns) noexcept {
   return pose;
 }
 
-bool Follow(const PoseSample& sample, std::int64_t t_ns, PoseTrack& track) noexcept {
+bool AddPoseSample(const PoseSample& sample, std::int64_t t_ns, PoseTrack& track) noexcept {
   if (sample.number == 0 || sample.number == track.number || !IsSample(sample)) return false;
   const TrackedPose now = PoseAt(track, t_ns);
   track.number = sample.number;

@@ -29,7 +29,7 @@ haptics::VehicleState Parked(const haptics::VehicleState& vehicle) noexcept {
 
 }  // namespace
 
-void SceneMemory::Keep(std::uint64_t build, const haptics::State& state) noexcept {
+void SceneMemory::SaveState(std::uint64_t build, const haptics::State& state) noexcept {
   if (build == 0) return;
   auto place = std::find_if(left_.begin(), left_.end(), [build](const Left& left) { return left.build == build; });
   if (place == left_.end()) {
@@ -41,7 +41,7 @@ void SceneMemory::Keep(std::uint64_t build, const haptics::State& state) noexcep
   place->vehicle = Parked(state.vehicle);
 }
 
-void SceneMemory::Recall(std::uint64_t build, haptics::State& state) const noexcept {
+void SceneMemory::RestoreState(std::uint64_t build, haptics::State& state) const noexcept {
   if (build == 0) return;
   const auto found =
       std::find_if(left_.begin(), left_.end(), [build](const Left& left) { return left.build == build; });

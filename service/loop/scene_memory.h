@@ -15,9 +15,9 @@ inline constexpr int kRememberedScenes = 4;  // a further one replaces the one t
 class SceneMemory {
  public:
   // `build`: of the scene of `state`; 0: one that never comes back.
-  void Keep(std::uint64_t build, const haptics::State& state) noexcept;
+  void SaveState(std::uint64_t build, const haptics::State& state) noexcept;
   // After haptics::Enter. A scene that is not remembered stays as it was built.
-  void Recall(std::uint64_t build, haptics::State& state) const noexcept;
+  void RestoreState(std::uint64_t build, haptics::State& state) const noexcept;
 
  private:
   struct Left {

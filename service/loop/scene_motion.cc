@@ -44,7 +44,7 @@ void FollowBasePose(const SceneControl& control, const haptics::Scene& scene, st
   const base::Vec3 pivot_m = PivotOf(scene);
   const bool first = state.placement.number == 0;
   if (first) state.placement = AtRest(pivot_m);
-  now.leaps = Follow(AboutPivot(control.placement, pivot_m, first), t_ns, state.placement);
+  now.leaps = AddPoseSample(AboutPivot(control.placement, pivot_m, first), t_ns, state.placement);
   if (state.placement.number == 0) return;  // it was not a valid pose
   const TrackedPose pose = PoseAt(state.placement, t_ns);
   now.placement = {pose.rotation, TranslationOf(pose, pivot_m)};
@@ -68,7 +68,7 @@ void FollowScene(const SceneControl& control, const haptics::Scene& scene, std::
     PoseTrack& track = state.tracks[i];
     if (state.object[i] != sample.object + 1) track = AtRest(pivot_m);
     state.object[i] = sample.object + 1;
-    const bool leaps = Follow(AboutPivot(sample.pose, pivot_m, !state.begun), t_ns, track);
+    const bool leaps = AddPoseSample(AboutPivot(sample.pose, pivot_m, !state.begun), t_ns, track);
     if (track.number == 0) continue;
     const TrackedPose pose = PoseAt(track, t_ns);
     now.objects[now.object_count++] = {sample.object, pose.rotation, TranslationOf(pose, pivot_m), leaps};

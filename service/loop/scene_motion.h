@@ -52,7 +52,7 @@ static_assert(std::is_trivially_copyable_v<PoseTrack>);
 TrackedPose PoseAt(const PoseTrack& track, std::int64_t t_ns) noexcept;
 
 // Adds a sample at t_ns, if it is new and valid (finite, unit quaternion). True: the pose leaps there.
-bool Follow(const PoseSample& sample, std::int64_t t_ns, PoseTrack& track) noexcept;
+bool AddPoseSample(const PoseSample& sample, std::int64_t t_ns, PoseTrack& track) noexcept;
 
 // Of an object's pose x = R x_rest + t; position and velocity are those of the body's point at the scene's origin. The
 // tick follows the object's own middle.

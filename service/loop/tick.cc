@@ -114,7 +114,7 @@ base::Vec3 Push(const TickConfig& config, const Commands& commands, std::int64_t
                                     .acting = felt.acting,
                                     .bound = haptics::StiffnessBoundOf(felt.axis_base, state.haptics.bound),
                                     .contacts = &output.haptics};
-  haptics::Apply(config.applied, commands.applied, input, state.applied, output.applied);
+  haptics::ComputeAppliedForce(config.applied, commands.applied, input, state.applied, output.applied);
   return output.applied.force_base_N;
 }
 
@@ -207,7 +207,7 @@ constexpr std::uint64_t kScenesComeBack_ticks = 500;
 void EnterScene(const haptics::Scene& scene, std::uint64_t generation, LoopState& state) noexcept {
   const auto& contacts = state.haptics.contacts;
   const bool touching = std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.IsFelt(); });
-  haptics::Enter(scene, state.haptics);
+  haptics::EnterScene(scene, state.haptics);
   // Else an application has changed the scene that is being touched, or pen and scene are both back after the base or
   // omnid was away.
   state.haptics.appears = !touching && state.tick >= kScenesComeBack_ticks;

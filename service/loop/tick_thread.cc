@@ -53,11 +53,11 @@ void TickThread::Run() {
 void TickThread::TakeScene(const Commands& commands) noexcept {
   const SceneRef& next = scenes_.Read();
   if (next.generation != commands.scene_generation) return;  // not handed over yet: stay at zero force
-  memory_->Keep(build_, state_.haptics);
+  memory_->SaveState(build_, state_.haptics);
   scene_ = next.scene != nullptr ? next.scene : &empty_;
   build_ = next.build;
   EnterScene(*scene_, next.generation, state_);
-  memory_->Recall(build_, state_.haptics);
+  memory_->RestoreState(build_, state_.haptics);
   statistics_->scene_generation.store(next.generation, std::memory_order_release);
 }
 
@@ -79,7 +79,7 @@ std::int64_t TickThread::OwnerSilence_ns(const OwnerLife& owner, std::int64_t no
   if (owner.page == nullptr) return 0;
   if (owner.number != owner_number_) owner_watch_ = {};
   owner_number_ = owner.number;
-  owner_watch_.Look(*owner.page, now_ns);
+  owner_watch_.Update(*owner.page, now_ns);
   return owner_watch_.Silence_ns(now_ns);
 }
 

@@ -93,7 +93,7 @@ void Monitor::Step() {
 void Monitor::PollService(std::int64_t now_ns) {
   if (trial_ != nullptr) trial_->Poll(now_ns);
   connection_.Poll(now_ns);
-  connection_.Beat();
+  connection_.SignalAlive();
   if (surfaces_wanted_ != !pages_.empty()) {
     surfaces_wanted_ = !pages_.empty();
     connection_.RequestSurfaces(surfaces_wanted_);
@@ -181,7 +181,7 @@ void Monitor::HandleSceneAnswer() {
   }
   const Save save = std::exchange(save_, {});
   if (!answer->done || answer->file.empty()) return Send(save.page, AnswerText(save.number, false, answer->text));
-  SendCopy(save, trial_ == nullptr ? base::Result<std::string>(answer->file) : trial_->Copy(answer->file));
+  SendCopy(save, trial_ == nullptr ? base::Result<std::string>(answer->file) : trial_->MakeSceneFile(answer->file));
 }
 
 void Monitor::SendCopy(const Save& save, const base::Result<std::string>& copy) {
@@ -231,10 +231,10 @@ LiveFrame Monitor::NewestFrame() const {
   LiveFrame frame;
   frame.aim.present = 0;
   const auto state = connection_.state();
-  if (state == nullptr || !state->Newest(frame.newest)) return frame;
-  state->Contacts(frame.contacts);
-  state->Vehicle(frame.vehicle);
-  state->Inputs(frame.inputs);
+  if (state == nullptr || !state->ReadNewest(frame.newest)) return frame;
+  state->ReadContacts(frame.contacts);
+  state->ReadVehicle(frame.vehicle);
+  state->ReadInputs(frame.inputs);
   if (frame.contacts.scene_generation != shown().generation) frame.contacts.count = 0;
   return frame;
 }
@@ -246,7 +246,7 @@ void Monitor::AddTicks(std::uint64_t from, LiveFrame& frame) const {
   for (std::uint64_t index = from; index < end; ++index) {
     protocol::ToolSample sample;
     protocol::TelemetrySample telemetry;
-    if (!state->At(index, sample, telemetry)) {
+    if (!state->ReadAt(index, sample, telemetry)) {
       ++frame.lost;
       continue;
     }
@@ -261,7 +261,7 @@ void Monitor::SendFrame() {
   if (pages_.empty()) return;
   LiveFrame newest = NewestFrame();
   if (trial_ != nullptr) {
-    trial_->Feel(newest.newest, newest.contacts, base::MonotonicNow_ns());
+    trial_->UpdateContacts(newest.newest, newest.contacts, base::MonotonicNow_ns());
     newest.aim = trial_->aim();
   }
   const std::uint64_t end = state == nullptr ? 0 : state->published();
@@ -269,7 +269,7 @@ void Monitor::SendFrame() {
   std::uint64_t made_from = end + 1;
   std::shared_ptr<const std::string> message;
   for (auto& [id, page] : pages_) {
-    if (!server_->Idle(id)) continue;
+    if (!server_->IsIdle(id)) continue;
     SendScene(id, page);
     if (state == nullptr) continue;
     if (page.next_index > end) page.next_index = end;  // omnid has started again
@@ -307,7 +307,7 @@ struct Monitor::RequestHandler {
   void Warn(std::string_view text) const { monitor.Notice(page, NoticeLevel::kWarning, text); }
   bool Lead(const protocol::HandAim& aim) const {
     if (monitor.trial_ == nullptr) return Warn("only omni try leads a simulated hand"), false;
-    if (monitor.trial_->Aim(aim)) return true;
+    if (monitor.trial_->SendAim(aim)) return true;
     return Warn(monitor.trial_->problem()), false;
   }
 
@@ -339,7 +339,7 @@ struct Monitor::RequestHandler {
       return monitor.Send(page, AnswerText(request.number, false, "another copy is being made; wait for it"));
     }
     if (monitor.trial_ != nullptr && monitor.strokes_ <= 0) {
-      return monitor.SendCopy({.page = page, .number = request.number}, monitor.trial_->Copy(""));
+      return monitor.SendCopy({.page = page, .number = request.number}, monitor.trial_->MakeSceneFile(""));
     }
     const std::uint32_t command = monitor.connection_.SendSceneCommand(protocol::SceneAction::kSave, 0, "");
     monitor.save_ = {.page = page, .number = request.number, .command = command};
@@ -375,7 +375,7 @@ void Monitor::OnBytes(PageId page, std::string_view bytes) {
   if (trial_ == nullptr) return Notice(page, NoticeLevel::kWarning, "only omni try takes files");
   const DroppedFile file = ReadDroppedFile(bytes);
   if (!file.problem.empty()) return Notice(page, NoticeLevel::kError, std::string(file.name) + ": " + file.problem);
-  const base::Status dropped = trial_->Drop(file.name, file.bytes);
+  const base::Status dropped = trial_->LoadDropped(file.name, file.bytes);
   if (!dropped.ok()) Notice(page, NoticeLevel::kError, dropped.error());
 }
 

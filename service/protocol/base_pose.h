@@ -30,7 +30,7 @@ inline constexpr std::int32_t kSpaceLocalFloor = 1000426000;
 inline constexpr std::int32_t kSpaceLocal = 2;
 inline constexpr std::array<std::int32_t, 3> kPreferredSpaces{kSpaceStage, kSpaceLocalFloor, kSpaceLocal};
 
-// A headset as its runtime names it: the key of a placement, with the space's type.
+// A headset as its runtime names it: the key of a base pose, with the space's type.
 struct HeadsetNames {
   char runtime[128] = {};  // XrInstanceProperties::runtimeName, UTF-8, terminated
   char system[256] = {};   // XrSystemProperties::systemName
@@ -41,7 +41,7 @@ struct WirePose {
   std::array<double, 4> orientation_wxyz{1, 0, 0, 0};
 };
 
-// application -> omnid, once per session: requests the placement in one of these spaces. The answer is the first known
+// application -> omnid, once per session: requests the base pose in one of these spaces. The answer is the first known
 // one, in the order given; every later change of it is sent as well.
 struct BasePoseRequest {
   MessageHeader header{.type = MessageType::kBasePoseRequest, .size = sizeof(BasePoseRequest)};
@@ -55,7 +55,7 @@ struct BasePoseRequest {
 enum class Uncalibrated : std::uint32_t {
   kFrontOfUser = 0,  // the layer puts the base in front of the user, and clears TRACKED
   kCalibrated = 1,   // no pose
-  kOff = 2           // no pose, though a placement may be known
+  kOff = 2           // no pose, though a base pose may be known
 };
 
 // omnid -> application.
@@ -107,7 +107,7 @@ struct BasePoseCommand {
   double expected_error_m = 0;
   double rotation_sigma_rad = 0;
   std::uint32_t samples = 0;
-  std::uint32_t correct = 0;  // 1: kCheck also moves the placement there
+  std::uint32_t correct = 0;  // 1: kCheck also moves the base pose there
   char method[32] = {};
 };
 

@@ -14,7 +14,7 @@ namespace omni::protocol {
 inline bool IsPrivileged() noexcept { return ::getauxval(AT_SECURE) != 0; }
 
 // Empty: not set, set to nothing, or this process is privileged.
-inline std::string Environment(const char* name) {
+inline std::string EnvironmentVariable(const char* name) {
   const char* value = ::secure_getenv(name);
   return value == nullptr ? std::string() : std::string(value);
 }

@@ -35,8 +35,8 @@ bool IsLocked(const std::string& path) {
 }  // namespace
 
 std::string DefaultSocketPath() {
-  if (std::string path = Environment("OMNI_SOCKET"); !path.empty()) return path;
-  if (const std::string folder = Environment("XDG_RUNTIME_DIR"); !folder.empty() && folder.front() == '/') {
+  if (std::string path = EnvironmentVariable("OMNI_SOCKET"); !path.empty()) return path;
+  if (const std::string folder = EnvironmentVariable("XDG_RUNTIME_DIR"); !folder.empty() && folder.front() == '/') {
     return folder + "/omni/omnid.sock";
   }
   const std::string uid = std::to_string(::geteuid());

@@ -31,7 +31,7 @@ enum ToolFlag : std::uint32_t {
   kToolTracked = 1u << 1,            // this sample was measured
   kToolContact = 1u << 2,            // force is being rendered
   kToolJoystick = 1u << 3,           // the active scene says joystick: thumbstick components are live
-  kToolAligned = 1u << 4,            // base pose in the headset's space is known (else the default placement holds)
+  kToolAligned = 1u << 4,            // base pose in the headset's space is known (else the default base pose holds)
   kToolPushed = 1u << 5,             // a force or a constraint of the application acts
   kToolForceCut = 1u << 6,           // the device's limit cut the force
   kToolWarm = 1u << 7,               // coils may carry less current than cold ones

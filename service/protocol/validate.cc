@@ -99,16 +99,16 @@ const char* Problem(const BasePoseRequest& request) noexcept {
   return Problem(request.headset);
 }
 
-const char* Problem(const BasePose& placement) noexcept {
-  if (placement.known > 1 || placement.doubtful > 1 || placement.follows > 1) {
+const char* Problem(const BasePose& base_pose) noexcept {
+  if (base_pose.known > 1 || base_pose.doubtful > 1 || base_pose.follows > 1) {
     return "known, doubtful or follows is neither 0 nor 1";
   }
-  if (placement.uncalibrated > Uncalibrated::kOff) return "uncalibrated is not 0, 1 or 2";
-  if (!(placement.expected_error_m >= 0 && placement.expected_error_m <= 1)) return "expected_error_m is not in 0..1";
-  if (!(placement.rotation_sigma_rad >= 0 && placement.rotation_sigma_rad <= 4)) {
+  if (base_pose.uncalibrated > Uncalibrated::kOff) return "uncalibrated is not 0, 1 or 2";
+  if (!(base_pose.expected_error_m >= 0 && base_pose.expected_error_m <= 1)) return "expected_error_m is not in 0..1";
+  if (!(base_pose.rotation_sigma_rad >= 0 && base_pose.rotation_sigma_rad <= 4)) {
     return "rotation_sigma_rad is not in 0..4";
   }
-  return PoseProblem(placement.base_space);
+  return PoseProblem(base_pose.base_space);
 }
 
 const char* Problem(const SpaceChange& change) noexcept {

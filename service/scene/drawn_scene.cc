@@ -34,11 +34,11 @@ struct DrawnPaint {
 };
 
 double Share(const Json& parent, const std::string& pointer, const char* key, double fallback) {
-  const Json* found = Find(parent, key);
+  const Json* found = FindMember(parent, key);
   if (!found) return fallback;
   const double share = found->number();
   if (!(share >= 0 && share <= 1))
-    throw LoadError(Join(pointer, key), "is " + Shown(*found) + ", must be a number from 0 to 1");
+    throw LoadError(JoinPointer(pointer, key), "is " + ValueText(*found) + ", must be a number from 0 to 1");
   return share;
 }
 
@@ -75,7 +75,7 @@ class DrawnReader {
   std::string Place() const {
     const std::uint64_t scenes = CountOf(file_.root(), "scenes");
     if (scenes == 0) return CountOf(file_.root(), "nodes") == 0 ? "/nodes" : "";
-    return Join("/scenes", Index(file_.root(), "", "scene", scenes).value_or(0));
+    return JoinPointer("/scenes", ReadIndex(file_.root(), "", "scene", scenes).value_or(0));
   }
 
   void Note(const std::string& pointer, const std::string& what) {
@@ -116,25 +116,25 @@ class DrawnReader {
       const DrawnPaint paint = PaintOf(part.from);
       for (const glm::dmat4& place : places) Draw(node, place, part.decoded, paint);
     }
-    if (Find(ElementOf(file_.root(), "nodes", node.node), "skin"))
-      Note(Join(node.pointer, "skin"), "is ignored: drawn in its bind pose");
+    if (FindMember(ElementOf(file_.root(), "nodes", node.node), "skin"))
+      Note(JoinPointer(node.pointer, "skin"), "is ignored: drawn in its bind pose");
   }
 
   DrawnPaint PaintOf(const SubsetPrimitive& primitive) {
     const Json& mesh = ElementOf(file_.root(), "meshes", primitive.mesh);
-    const Json& json = Find(mesh, "primitives")->elements()[primitive.primitive];
-    const auto index = Index(json, primitive.pointer, "material", CountOf(file_.root(), "materials"));
+    const Json& json = FindMember(mesh, "primitives")->elements()[primitive.primitive];
+    const auto index = ReadIndex(json, primitive.pointer, "material", CountOf(file_.root(), "materials"));
     DrawnPaint paint;
-    if (Find(*Find(json, "attributes"), "COLOR_0")) paint.colour = glm::dvec3(1);
+    if (FindMember(*FindMember(json, "attributes"), "COLOR_0")) paint.colour = glm::dvec3(1);
     if (!index) return paint;
-    const std::string pointer = Join("/materials", *index);
+    const std::string pointer = JoinPointer("/materials", *index);
     const Json& material = ElementOf(file_.root(), "materials", *index);
     const Json* pbr = FindObject(material, pointer, "pbrMetallicRoughness");
     if (!pbr) return paint;
-    const std::string place = Join(pointer, "pbrMetallicRoughness");
-    if (const auto factor = Numbers(*pbr, place, "baseColorFactor", 4); !factor.empty())
+    const std::string place = JoinPointer(pointer, "pbrMetallicRoughness");
+    if (const auto factor = ReadNumberArray(*pbr, place, "baseColorFactor", 4); !factor.empty())
       paint.colour = glm::clamp(glm::dvec3(factor[0], factor[1], factor[2]), 0.0, 1.0);
-    if (Find(*pbr, "baseColorTexture")) textured_.insert(place);
+    if (FindMember(*pbr, "baseColorTexture")) textured_.insert(place);
     paint.roughness = Share(*pbr, place, "roughnessFactor", paint.roughness);
     return paint;
   }
@@ -201,7 +201,7 @@ class DrawnReader {
 
   void NoteUnshown() {
     for (const std::string& place : textured_)
-      Note(Join(place, "baseColorTexture"), "is not drawn: pictures have the material's colour");
+      Note(JoinPointer(place, "baseColorTexture"), "is not drawn: pictures have the material's colour");
     const std::uint64_t scenes = CountOf(file_.root(), "scenes");
     if (scenes > 1) Note("/scenes", "has " + std::to_string(scenes) + "; only " + Place() + " is drawn");
   }

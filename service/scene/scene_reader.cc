@@ -102,7 +102,7 @@ class SceneReader::Loader {
   std::vector<const NodeVisit*> Choose() {
     std::vector<bool> tagged;
     tagged.reserve(nodes_.size());
-    for (const NodeVisit& node : nodes_) tagged.push_back(binding_->Tagged(node));
+    for (const NodeVisit& node : nodes_) tagged.push_back(binding_->HasTag(node));
     any_tag_ = std::find(tagged.begin(), tagged.end(), true) != tagged.end();
     std::vector<const NodeVisit*> touched;
     if (!any_tag_ && !options_.touch_untagged) {
@@ -189,8 +189,8 @@ class SceneReader::Loader {
 
   double TipRadius() {
     if (CountOf(file_.root(), "scenes") == 0) return 0;
-    const std::uint32_t scene = Index(file_.root(), "", "scene", CountOf(file_.root(), "scenes")).value_or(0);
-    return ReadTipRadius(ElementOf(file_.root(), "scenes", scene), Join("/scenes", scene), warnings_);
+    const std::uint32_t scene = ReadIndex(file_.root(), "", "scene", CountOf(file_.root(), "scenes")).value_or(0);
+    return ReadTipRadius(ElementOf(file_.root(), "scenes", scene), JoinPointer("/scenes", scene), warnings_);
   }
 
   void ReadMeshes() {
@@ -208,7 +208,7 @@ class SceneReader::Loader {
   }
 
   void RequestTextures(const NodeVisit& node, MeshRequest& request) {
-    const Json* primitives = Find(ElementOf(file_.root(), "meshes", *node.mesh), "primitives");
+    const Json* primitives = FindMember(ElementOf(file_.root(), "meshes", *node.mesh), "primitives");
     request.uv_sets.resize(primitives ? primitives->elements().size() : 0, 0);
     for (std::uint32_t i = 0; i < request.uv_sets.size(); ++i) {
       const HapticTag tag = binding_->TagOf(node, i);
@@ -259,8 +259,8 @@ class SceneReader::Loader {
       report_.material_uses.push_back({*node.mesh, primitive->primitive, material});
       for (const glm::dmat4& place : places) Append(node, place, decoded, material, object);
     }
-    if (Find(ElementOf(file_.root(), "nodes", node.node), "skin"))
-      warnings_.Add(Join(node.pointer, "skin"), "is ignored: the mesh is touched in its bind pose");
+    if (FindMember(ElementOf(file_.root(), "nodes", node.node), "skin"))
+      warnings_.Add(JoinPointer(node.pointer, "skin"), "is ignored: the mesh is touched in its bind pose");
     if (object.triangles.empty()) return Explain(node, false, "no triangles");
     std::string why = any_tag_ ? (object.car_wall ? "role wall: touched, and the vehicle hits it" : "haptic tag")
                                : "default material: the file has no haptic tag";
@@ -329,11 +329,11 @@ class SceneReader::Loader {
       const std::uint64_t used = std::string(key) == "images" ? report_.images_decoded : 0;
       if (count > used) {
         report_.rows.push_back(
-            {Join("", key), "", false, std::to_string(count - used) + " not read: not needed for haptics", 0});
+            {JoinPointer("", key), "", false, std::to_string(count - used) + " not read: not needed for haptics", 0});
       }
       if (used > 0) {
         report_.rows.push_back(
-            {Join("", key), "", true, std::to_string(used) + " decoded: a haptic texture needs them", 0});
+            {JoinPointer("", key), "", true, std::to_string(used) + " decoded: a haptic texture needs them", 0});
       }
     }
   }

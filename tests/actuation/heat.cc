@@ -116,8 +116,8 @@ Derated RunDerated(double worse, bool device_reports) {
         derated.step_max_A = std::max(derated.step_max_A, std::abs(state.heat.current_max_A[k] - before[k]));
       }
     }
-    coils.Set(state.heat.current_max_A);
-    coils.Heat(2e-3);
+    coils.SetCurrents(state.heat.current_max_A);
+    coils.StepHeat(2e-3);
     derated.copper_max_C =
         std::max(derated.copper_max_C, *std::max_element(coils.temperature_C().begin(), coils.temperature_C().end()));
     derated.current_end_A = coils.current_A()[1];

@@ -49,7 +49,7 @@ TEST(AlignmentCoverage, SweepErrorMatchesPredictionUnderIndependentNoise) {
       for (int i = 0; i < 150; ++i) samples.push_back(scenario.At(truth, scenario.PointOfBase(), kTip, noise_m, 0));
       Prior prior;
       prior.level = false;
-      const auto outcome = Fit(samples, prior, {});
+      const auto outcome = FitBasePose(samples, prior, {});
       ASSERT_TRUE(outcome.ok()) << outcome.error();
       coverage.Add(*outcome, truth);
     }
@@ -81,7 +81,7 @@ TEST(AlignmentCoverage, FiveTouchErrorMatchesPrediction) {
       prior.tip_sigma_m = 0.5e-3;
       std::vector<Sample> samples;
       for (int i = 0; i < 5; ++i) samples.push_back(scenario.At(truth, marks[i], kTip, 1.5e-3, i));
-      const auto outcome = Fit(samples, prior, {});
+      const auto outcome = FitBasePose(samples, prior, {});
       ASSERT_TRUE(outcome.ok()) << outcome.error();
       coverage.Add(*outcome, truth);
     }
@@ -107,7 +107,7 @@ TEST(AlignmentCoverage, PredictionAccountsForCorrelatedNoise) {
       p = base::FromEigen(Eigen::Vector3d(base::ToEigen(p) + drift));
       samples.push_back(sample);
     }
-    const auto outcome = Fit(samples, {}, {});
+    const auto outcome = FitBasePose(samples, {}, {});
     ASSERT_TRUE(outcome.ok()) << outcome.error();
     coverage.Add(*outcome, truth);
     correlation += outcome->correlation / kFits;

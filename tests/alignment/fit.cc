@@ -40,7 +40,7 @@ void ExpectHas(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << part << " not in: " << text;
 }
 
-TEST(AlignmentFit, NoiseFreeTouchesRecoverTheExactPlacement) {
+TEST(AlignmentFit, NoiseFreeTouchesRecoverTheExactBasePose) {
   for (unsigned seed = 0; seed < 60; ++seed) {
     AlignmentScenario scenario(seed);
     const bool level = seed % 2 == 0;
@@ -64,7 +64,7 @@ TEST(AlignmentFit, UnknownTipIsFoundTogetherWithTheBase) {
     for (int i = 0; i < 120; ++i) samples.push_back(scenario.At(truth, scenario.PointOfBase(), kTip, 0, 0));
     Prior prior;
     prior.level = false;
-    const auto outcome = Fit(samples, prior, {});
+    const auto outcome = FitBasePose(samples, prior, {});
     ASSERT_TRUE(outcome.ok()) << seed << ": " << outcome.error();
     EXPECT_LT(Distance_m(outcome->base_space, truth, kWorkingPoint_base_m), 1e-6) << seed;
     const base::Vec3& tip = outcome->tip_controller_m;
@@ -88,12 +88,12 @@ TEST(AlignmentFit, TimeOffsetIsFound) {
   }
   Prior prior;
   prior.time_offset = true;
-  const auto outcome = Fit(samples, prior, {});
+  const auto outcome = FitBasePose(samples, prior, {});
   ASSERT_TRUE(outcome.ok()) << outcome.error();
   EXPECT_NEAR(outcome->time_offset_s, -kLate_s, 1e-3 * kLate_s);
   EXPECT_LT(Distance_m(outcome->base_space, truth, kWorkingPoint_base_m), 1e-5);
   prior.time_offset = false;
-  const auto without = Fit(samples, prior, {});
+  const auto without = FitBasePose(samples, prior, {});
   ASSERT_TRUE(without.ok()) << without.error();
   EXPECT_GT(without->rms_m, 1e-3) << "the offset would be seen as noise";
 }
@@ -152,7 +152,7 @@ TEST(AlignmentFit, DegenerateDataIsRefusedWithARemedy) {
     std::vector<Sample> samples;
     for (const base::Vec3& p : points)
       samples.push_back(scenario.At(truth, p, kTip, 1e-4, static_cast<int>(samples.size())));
-    const auto outcome = Fit(samples, KnownTip(), limits);
+    const auto outcome = FitBasePose(samples, KnownTip(), limits);
     return outcome.ok() ? "accepted" : outcome.error();
   };
   ExpectHas(refusal({{0.05, 0, 0}, {0, 0.05, 0}}, {}), "at least 3");
@@ -170,7 +170,7 @@ TEST(AlignmentFit, DegenerateDataIsRefusedWithARemedy) {
     sample.controller_space.orientation = {};
     unturned.push_back(sample);
   }
-  const auto outcome = Fit(unturned, unknown, {});
+  const auto outcome = FitBasePose(unturned, unknown, {});
   ASSERT_FALSE(outcome.ok());
   ExpectHas(outcome.error(), "turn it about two axes");
 }

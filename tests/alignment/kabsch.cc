@@ -10,12 +10,12 @@ std::vector<PointPair> Pairs(test::AlignmentScenario& scenario, const Rigid& X_L
   std::vector<PointPair> pairs;
   for (int i = 0; i < count; ++i) {
     const base::Vec3 p = scenario.PointOfBase();
-    pairs.push_back({.base_m = p, .space_m = Apply(X_LB, p), .weight = scenario.Uniform(0.1, 3)});
+    pairs.push_back({.base_m = p, .space_m = TransformPoint(X_LB, p), .weight = scenario.Uniform(0.1, 3)});
   }
   return pairs;
 }
 
-TEST(AlignmentKabsch, SixDofFindsAnyPlacement) {
+TEST(AlignmentKabsch, SixDofFindsAnyBasePose) {
   for (unsigned seed = 0; seed < 300; ++seed) {
     test::AlignmentScenario scenario(seed);
     const Rigid truth = scenario.AnyBase();
@@ -25,7 +25,7 @@ TEST(AlignmentKabsch, SixDofFindsAnyPlacement) {
   }
 }
 
-TEST(AlignmentKabsch, FourDofFindsLevelPlacementsFromTwoPoints) {
+TEST(AlignmentKabsch, FourDofFindsLevelBasePosesFromTwoPoints) {
   for (unsigned seed = 0; seed < 300; ++seed) {
     test::AlignmentScenario scenario(seed);
     const Rigid truth = scenario.LevelBase();
@@ -77,7 +77,7 @@ TEST(AlignmentKabsch, FourDofMinimisesTheYawResidual) {
       const Eigen::Quaterniond turn(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()));
       double sum = 0;
       for (const PointPair& pair : pairs) {
-        const Eigen::Vector3d p = base::ToEigen(Apply(found, pair.base_m));
+        const Eigen::Vector3d p = base::ToEigen(TransformPoint(found, pair.base_m));
         sum += pair.weight * (mean + turn * (p - mean) - base::ToEigen(pair.space_m)).squaredNorm();
       }
       return sum;

@@ -20,38 +20,38 @@ constexpr std::int64_t kAges_ns = 1'000'000'000'000'000;  // longer than any lim
 TEST(LifeWatch, BeatIsDatedAtThePreviousLook) {
   LifePage page;
   LifeWatch watch;
-  watch.Look(page, 100 * kMs_ns);
-  page.Beat(101 * kMs_ns);
-  watch.Look(page, 300 * kMs_ns);
+  watch.Update(page, 100 * kMs_ns);
+  page.SignalAlive(101 * kMs_ns);
+  watch.Update(page, 300 * kMs_ns);
   EXPECT_EQ(watch.Silence_ns(300 * kMs_ns), 200 * kMs_ns) << "it may be that old";
-  watch.Look(page, 310 * kMs_ns);
+  watch.Update(page, 310 * kMs_ns);
   EXPECT_EQ(watch.Silence_ns(310 * kMs_ns), 210 * kMs_ns);
 }
 
 TEST(LifeWatch, FirstLookFindsNoSignOfLife) {
   LifePage page;
-  page.Beat(100 * kMs_ns);
+  page.SignalAlive(100 * kMs_ns);
   LifeWatch watch;
   EXPECT_GT(watch.Silence_ns(100 * kMs_ns), kAges_ns);
-  watch.Look(page, 100 * kMs_ns);
+  watch.Update(page, 100 * kMs_ns);
   EXPECT_GT(watch.Silence_ns(100 * kMs_ns), kAges_ns);
 }
 
 TEST(LifeWatch, ClientWithoutStampsIsDatedByItsBeats) {
   LifePage page;
   LifeWatch watch;
-  watch.Look(page, 100 * kMs_ns);
+  watch.Update(page, 100 * kMs_ns);
   page.beat.fetch_add(1);
-  watch.Look(page, 101 * kMs_ns);
+  watch.Update(page, 101 * kMs_ns);
   EXPECT_EQ(watch.Silence_ns(101 * kMs_ns), kMs_ns);
 }
 
 TEST(LifeWatch, StampMakesBeatOlder) {
   LifePage page;
   LifeWatch watch;
-  watch.Look(page, 100 * kMs_ns);
-  page.Beat(40 * kMs_ns);
-  watch.Look(page, 101 * kMs_ns);
+  watch.Update(page, 100 * kMs_ns);
+  page.SignalAlive(40 * kMs_ns);
+  watch.Update(page, 101 * kMs_ns);
   EXPECT_EQ(watch.Silence_ns(101 * kMs_ns), 61 * kMs_ns);
 }
 
@@ -68,7 +68,7 @@ TEST(LifeWatch, AnyContentIsNeverYoungerThanThePreviousLook) {
       if (beat != page.beat && i > 0) changed_after_ns = before_ns;
       page.beat = beat;
     }
-    watch.Look(page, now_ns);
+    watch.Update(page, now_ns);
     ASSERT_GE(watch.Silence_ns(now_ns), StampDifference_ns(now_ns, changed_after_ns));
     before_ns = now_ns;
     now_ns += static_cast<std::int64_t>(random() % (20 * kMs_ns));
@@ -82,14 +82,14 @@ TEST(LifePage, SealedMemoryStaysReadableWhateverItsClientDoes) {
   const auto* page = static_cast<const LifePage*>(memory->mapping.get());
   auto mapping = MapSealed(memory->fd.get(), kSealsFixedSize, 4096, PROT_READ | PROT_WRITE);
   ASSERT_TRUE(mapping.ok()) << mapping.error();
-  static_cast<LifePage*>(mapping->get())->Beat(7);
+  static_cast<LifePage*>(mapping->get())->SignalAlive(7);
   EXPECT_EQ(page->beat.load(), 1U);
   EXPECT_EQ(ftruncate(memory->fd.get(), 0), -1);
   EXPECT_EQ(errno, EPERM);
   ASSERT_EQ(fallocate(memory->fd.get(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0, 4096), 0);
   EXPECT_EQ(page->beat.load(), 0U);
   LifeWatch watch;
-  watch.Look(*page, kMs_ns);
+  watch.Update(*page, kMs_ns);
   EXPECT_GT(watch.Silence_ns(kMs_ns), kAges_ns);
 }
 

@@ -149,7 +149,7 @@ void AddTickRow(const Options& options, int squares, ordered_json& rows) {
       time([&](const Vec3& p) { sink += CrossingInTree(surface, 0, p, (1 - 1e-3) * p, false).t; });
   const double rebind_us = time([&](const Vec3& p) {
     KeptFeature feature{0, {}, p, p};
-    sink += Rebind(surface, 0.01, feature);
+    sink += RebindFeature(surface, 0.01, feature);
   });
   rows.push_back({{"table", "tick"},
                   {"triangles", editor->mesh().triangle_count()},

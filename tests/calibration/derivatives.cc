@@ -148,8 +148,8 @@ TEST(CalibrationDerivatives, CostGradientMatchesFiniteDifferences) {
       OwnVector step = OwnVector::Zero();
       step[c] = c < 3 ? 1e-7 : c < 5 ? 1e-6 : 1e-4;
       auto more = small.instants, less = small.instants;
-      more[n] = Moved(more[n], step);
-      less[n] = Moved(less[n], -step);
+      more[n] = MovedInstant(more[n], step);
+      less[n] = MovedInstant(less[n], -step);
       const double slope = (cost(parameters, more) - cost(parameters, less)) / (2 * step[c]);
       const SampleBlock& block = system.samples[n];
       EXPECT_NEAR(slope, 2 * block.g[c], 1e-5 * (std::abs(block.g[c]) + std::sqrt(block.H(c, c) * system.cost)))
@@ -178,7 +178,7 @@ TEST(CalibrationDerivatives, EliminationMatchesTheDenseSolution) {
     g.segment(at, kOwn) = block.g;
   }
   const Eigen::VectorXd dense = H.ldlt().solve(g);
-  const Reduced reduced = Eliminate(system, 0);
+  const Reduced reduced = EliminateSamples(system, 0);
   const Eigen::VectorXd eliminated = reduced.H.llt().solve(reduced.g);
   EXPECT_LT((eliminated - dense.head(array)).norm(), 1e-6 * dense.head(array).norm());
 }

@@ -83,7 +83,7 @@ TEST(CalibrationSteel, SteelResponseIsCorrectedForTheFoundPose) {
       scan.field_sensor_T[i] = {reading[0], reading[1], reading[2]};
     }
     const tracker::Measurement measurement = tracker::MakeMeasurement(
-        model, tracker::NoiseOnly(), scan, {}, tracker::Remember(scan, {}), {.local_base_T = &taken_off.field_T});
+        model, tracker::NoiseOnly(), scan, {}, tracker::UpdatedHistory(scan, {}), {.local_base_T = &taken_off.field_T});
     tracker::Fit fit = tracker::SolvePose(model, measurement, expected, {});
     const double before_m = (fit.pose.position_base_m - pose.position_base_m).norm();
     const double variance_m2 = fit.covariance.diagonal().head(3).sum();

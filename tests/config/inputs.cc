@@ -43,9 +43,9 @@ TEST(ConfigInputs, OmittedKeysKeepTheirDefaults) {
   ASSERT_TRUE(entry.ok()) << entry.error();
   ASSERT_TRUE(entry->inputs);
   const base::InputMapping& mapping = entry->inputs->mapping;
-  EXPECT_EQ(mapping.at(InputComponent::kSecondary).plus, Bit(InputSource::kDoubleTap) | base::KeyBit(0));
+  EXPECT_EQ(mapping.at(InputComponent::kSecondary).plus, SourceBit(InputSource::kDoubleTap) | base::KeyBit(0));
   EXPECT_EQ(entry->inputs->keys, std::vector<std::uint16_t>{48});
-  EXPECT_EQ(mapping.at(InputComponent::kMenu).plus, Bit(InputSource::kFlick));
+  EXPECT_EQ(mapping.at(InputComponent::kMenu).plus, SourceBit(InputSource::kFlick));
   EXPECT_EQ(mapping.thresholds.press_N, 0.3);
   EXPECT_EQ(mapping.thresholds.dwell_s, base::InputThresholds{}.dwell_s);
   EXPECT_FALSE(ParseAppFile("application = \"a\"\nscene = \"b\"\n", "f", "/s")->inputs);
@@ -58,7 +58,7 @@ TEST(ConfigInputs, EverySourceAndComponentHasAName) {
       const auto source = static_cast<InputSource>(s);
       const auto entry = ParseAppFile(App(component + " = [\"" + SourceText(source, {}) + "\"]\n"), "f", "/s");
       ASSERT_TRUE(entry.ok()) << entry.error();
-      EXPECT_EQ(entry->inputs->mapping.at(static_cast<InputComponent>(i)).plus, Bit(source));
+      EXPECT_EQ(entry->inputs->mapping.at(static_cast<InputComponent>(i)).plus, SourceBit(source));
     }
     EXPECT_EQ(
         ParseAppFile(App(component + " = []\n"), "f", "/s")->inputs->mapping.at(static_cast<InputComponent>(i)).plus,
@@ -128,7 +128,7 @@ TEST(ConfigInputs, ApplicationsShareKeySlots) {
   EXPECT_EQ(plan.fallback.mapping.at(InputComponent::kSecondary).plus, base::KeyBit(0));
   EXPECT_EQ(apps.entries[0].inputs->mapping.at(InputComponent::kMenu).plus, base::KeyBit(1) | base::KeyBit(2));
   EXPECT_EQ(apps.entries[1].inputs->mapping.at(InputComponent::kSelect).plus,
-            base::KeyBit(2) | Bit(InputSource::kPress));
+            base::KeyBit(2) | SourceBit(InputSource::kPress));
   EXPECT_EQ(apps.entries[1].inputs->mapping.at(InputComponent::kMenu).plus, base::KeyBit(0));
   ASSERT_EQ(plan.devices.size(), 2u);
   EXPECT_EQ(plan.devices[0].name_glob, "*Foot*");

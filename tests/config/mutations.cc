@@ -70,20 +70,20 @@ class Mutator {
   std::mt19937 random_;
 };
 
-bool Within(double value, double low, double high) { return value >= low && value <= high; }
+bool IsWithin(double value, double low, double high) { return value >= low && value <= high; }
 bool Unit(double square) { return std::abs(square - 1) < 1e-12; }
 
 void ExpectSane(const base::DeviceGeometry& d) {
-  EXPECT_TRUE(Within(d.magnet.radius_m, 1e-3, 0.05) && Within(d.magnet.half_height_m, 2e-4, 0.05));
-  EXPECT_TRUE(Within(d.magnet.remanence_T, 0.1, 1.6) && Within(d.magnet.mass_kg, 1e-3, 1));
-  EXPECT_TRUE(Within(d.magnet.tip_offset_m, 0, 0.2));
-  EXPECT_TRUE(Within(d.core_radius_m, 1e-3, 0.1) && Within(d.core_kappa, 0, 1));
+  EXPECT_TRUE(IsWithin(d.magnet.radius_m, 1e-3, 0.05) && IsWithin(d.magnet.half_height_m, 2e-4, 0.05));
+  EXPECT_TRUE(IsWithin(d.magnet.remanence_T, 0.1, 1.6) && IsWithin(d.magnet.mass_kg, 1e-3, 1));
+  EXPECT_TRUE(IsWithin(d.magnet.tip_offset_m, 0, 0.2));
+  EXPECT_TRUE(IsWithin(d.core_radius_m, 1e-3, 0.1) && IsWithin(d.core_kappa, 0, 1));
   EXPECT_TRUE(d.hull_radius_m > d.core_radius_m && d.hull_radius_m <= 0.2);
-  EXPECT_TRUE(Within(d.sensor_range_T, 1e-5, 1) && d.sensor_lsb_T > 0 && d.sensor_lsb_T < d.sensor_range_T);
-  for (const double noise_T : d.sensor_noise_T) EXPECT_TRUE(Within(noise_T, 0, 1e-3));
-  EXPECT_TRUE(Within(d.current_max_A, 0.01, 100) && Within(d.current_slew_A_s, 1, 1e7));
-  EXPECT_TRUE(Within(d.force_max_N, 0.01, 20) && Within(d.supply_V, 1, 100));
-  EXPECT_TRUE(Within(d.temperature_derate_C, 0, 150) && d.temperature_max_C > d.temperature_derate_C);
+  EXPECT_TRUE(IsWithin(d.sensor_range_T, 1e-5, 1) && d.sensor_lsb_T > 0 && d.sensor_lsb_T < d.sensor_range_T);
+  for (const double noise_T : d.sensor_noise_T) EXPECT_TRUE(IsWithin(noise_T, 0, 1e-3));
+  EXPECT_TRUE(IsWithin(d.current_max_A, 0.01, 100) && IsWithin(d.current_slew_A_s, 1, 1e7));
+  EXPECT_TRUE(IsWithin(d.force_max_N, 0.01, 20) && IsWithin(d.supply_V, 1, 100));
+  EXPECT_TRUE(IsWithin(d.temperature_derate_C, 0, 150) && d.temperature_max_C > d.temperature_derate_C);
   for (const base::SensorGeometry& sensor : d.sensors) {
     const base::Vec3& p = sensor.position_base_m;
     const base::Quat& q = sensor.orientation_base_sensor;
@@ -96,7 +96,7 @@ void ExpectSane(const base::DeviceGeometry& d) {
     EXPECT_TRUE(coil.turns >= 1 && coil.turns <= 100000 && coil.layers >= 1 && coil.layers <= 1000);
     EXPECT_TRUE(coil.shell_radius_min_m >= d.core_radius_m && coil.shell_radius_max_m > coil.shell_radius_min_m);
     EXPECT_TRUE(coil.shell_radius_max_m <= d.hull_radius_m && coil.band_half_width_m > 0);
-    EXPECT_TRUE(Within(coil.resistance_20C_ohm, 1e-3, 1e3) && Within(coil.inductance_H, 1e-7, 1));
+    EXPECT_TRUE(IsWithin(coil.resistance_20C_ohm, 1e-3, 1e3) && IsWithin(coil.inductance_H, 1e-7, 1));
   }
 }
 
@@ -139,13 +139,13 @@ TEST(ConfigMutations, MutatedAppFilesAreRejectedOrInRange) {
     EXPECT_TRUE(entry->scene.empty() ? entry->inputs.has_value() : entry->scene.front() == '/');
     if (entry->inputs) {
       const base::InputThresholds& t = entry->inputs->mapping.thresholds;
-      EXPECT_TRUE(Within(t.press_N, 0.02, 5) && Within(t.release_N, 0.01, 5) && t.release_N < t.press_N);
-      EXPECT_TRUE(Within(t.dwell_s, 0.1, 10));
+      EXPECT_TRUE(IsWithin(t.press_N, 0.02, 5) && IsWithin(t.release_N, 0.01, 5) && t.release_N < t.press_N);
+      EXPECT_TRUE(IsWithin(t.dwell_s, 0.1, 10));
       EXPECT_LE(entry->inputs->keys.size(), static_cast<std::size_t>(base::kMaxKeys));
     }
-    EXPECT_TRUE(Within(entry->scale, 1e-4, 1e4) && Within(entry->force_scale, 0, 1));
-    EXPECT_TRUE(Within(entry->offset_base_m.x, -0.2, 0.2) && Within(entry->offset_base_m.y, -0.2, 0.2));
-    EXPECT_TRUE(Within(entry->offset_base_m.z, -0.2, 0.2));
+    EXPECT_TRUE(IsWithin(entry->scale, 1e-4, 1e4) && IsWithin(entry->force_scale, 0, 1));
+    EXPECT_TRUE(IsWithin(entry->offset_base_m.x, -0.2, 0.2) && IsWithin(entry->offset_base_m.y, -0.2, 0.2));
+    EXPECT_TRUE(IsWithin(entry->offset_base_m.z, -0.2, 0.2));
   }
   EXPECT_GT(accepted, 150);
   EXPECT_GT(refused, 150);

@@ -115,7 +115,7 @@ Parsed ParseWords(const std::vector<std::string>& words) {
   paint.Add("--colour", colour).OneOf({"red", "green", "blue"});
   paint.Add("--count", count);
   paint.Add("file", file).WritesOnly(".png", "PNG");
-  tool.AddCommand("wait", "waits").Run([] { return 3; });
+  tool.AddCommand("wait", "waits").SetAction([] { return 3; });
   tool.RequireCommand();
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
@@ -180,16 +180,16 @@ TEST(Parse, CommandsGetTheirArguments) {
     paint.Add("!--loud", arguments->quiet);
     Option count = paint.Add("-c,--count", arguments->count).Range(1, 9);
     paint.Add("--seed", arguments->seed).Needs(count);
-    paint.Add("--place", arguments->place).Numbers(2).Excludes(count);
+    paint.Add("--place", arguments->place).ExpectValues(2).Excludes(count);
     Option colour = paint.Add("--colour", arguments->colour);
     paint.AddShort("--red", arguments->colour, "red", "short for --colour red").Excludes(colour);
     paint.Add("names", arguments->names);
-    paint.Run(arguments, [](const Arguments& given) {
+    paint.SetAction(arguments, [](const Arguments& given) {
       const double sum = given.place.empty() ? 0 : given.place[0] + given.place[1];
       return static_cast<int>(sum) + (given.quiet ? 1000 : 0) + 100 * given.count + 10 * static_cast<int>(given.seed) +
              (given.colour == "red" ? 5000 : 0) + static_cast<int>(given.names.size());
     });
-    tool.AddHidden("draw").Run([count] { return count.given() ? 1 : 7; });
+    tool.AddHidden("draw").SetAction([count] { return count.given() ? 1 : 7; });
     return tool.Parse(std::move(words));
   };
   EXPECT_EQ(run({"paint"}), 1120);

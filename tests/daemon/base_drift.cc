@@ -24,19 +24,19 @@ base::Status WriteNothing(const std::string&, const std::string&) { return base:
 struct Days {
   TempFolder temp;
   std::string path = temp.Path("a.toml");
-  BasePoses placements;
+  BasePoses base_poses;
   std::int64_t now_s = kDate_s;
 
-  explicit Days(const BasePoses::Write& write = config::WriteTextFile) : placements(path, write) {
-    EXPECT_TRUE(placements.Execute(Store(kSpaceLocal), now_s).ok);
+  explicit Days(const BasePoses::Write& write = config::WriteTextFile) : base_poses(path, write) {
+    EXPECT_TRUE(base_poses.Execute(Store(kSpaceLocal), now_s).ok);
   }
-  const config::AlignmentEntry& entry() const { return placements.file().entries[0]; }
+  const config::AlignmentEntry& entry() const { return base_poses.file().entries[0]; }
   // An application for an hour, on the next day.
   bool Start() {
     now_s += kDay_s;
-    placements.Request(1, Request({kSpaceLocal}), now_s);
-    const bool aligned = placements.Aligned(1);
-    placements.Remove(1, now_s + 3600);
+    base_poses.HandleRequest(1, Request({kSpaceLocal}), now_s);
+    const bool aligned = base_poses.IsAligned(1);
+    base_poses.Remove(1, now_s + 3600);
     now_s += 3600;
     return aligned;
   }
@@ -55,15 +55,15 @@ TEST(DaemonBaseDrift, ErrorGrowsWithStartsUntilThePenIsNotTracked) {
   EXPECT_GE(tracked, 1) << "one start is borne";
   EXPECT_GT(days.entry().ErrorNow_mm(), 10);
   BasePoses again(days.path);
-  again.Request(1, Request({kSpaceLocal}), days.now_s);
-  EXPECT_FALSE(again.Aligned(1)) << "also after a restart of omnid";
+  again.HandleRequest(1, Request({kSpaceLocal}), days.now_s);
+  EXPECT_FALSE(again.IsAligned(1)) << "also after a restart of omnid";
   Listener listener;
   listener.Listen(again);
   EXPECT_EQ(listener.reported[1].back().doubtful, 1U) << "applications clear TRACKED";
   EXPECT_GT(listener.reported[1].back().expected_error_m, 10e-3);
   // One touch finds it near: trusted again.
   ASSERT_TRUE(again.Execute(CheckAt(0.103), days.now_s).ok);
-  EXPECT_TRUE(again.Aligned(1));
+  EXPECT_TRUE(again.IsAligned(1));
   listener.Listen(again);
   EXPECT_EQ(listener.reported[1].back().doubtful, 0U);
 }
@@ -72,42 +72,42 @@ TEST(DaemonBaseDrift, ErrorGrowsWithStartsUntilThePenIsNotTracked) {
 TEST(DaemonBaseDrift, ApplicationsThatComeAndGoAreNoStarts) {
   Days days;
   for (int i = 0; i < 50; ++i) {
-    days.placements.Request(1, Request({kSpaceLocal}), days.now_s += 600);
-    days.placements.Request(2, Request({kSpaceLocal}), days.now_s += 3 * 3600);
-    days.placements.Remove(1, days.now_s += 3600);
-    days.placements.Remove(2, days.now_s += 3600);
+    days.base_poses.HandleRequest(1, Request({kSpaceLocal}), days.now_s += 600);
+    days.base_poses.HandleRequest(2, Request({kSpaceLocal}), days.now_s += 3 * 3600);
+    days.base_poses.Remove(1, days.now_s += 3600);
+    days.base_poses.Remove(2, days.now_s += 3600);
   }
   EXPECT_EQ(days.entry().drift.starts, 0);
   BasePoses again(days.path);
-  again.Request(1, Request({kSpaceLocal}), days.now_s + 60);
+  again.HandleRequest(1, Request({kSpaceLocal}), days.now_s + 60);
   EXPECT_EQ(again.file().entries[0].drift.starts, 0);
-  again.Request(1, Request({kSpaceLocal}), days.now_s + 120);
+  again.HandleRequest(1, Request({kSpaceLocal}), days.now_s + 120);
   EXPECT_EQ(again.file().entries[0].drift.starts, 0);
 }
 
 TEST(DaemonBaseDrift, CheckThatFindsItFarOffIsBelieved) {
   Days days;
   days.Start();
-  const auto found = days.placements.Execute(CheckAt(0.113), days.now_s);
+  const auto found = days.base_poses.Execute(CheckAt(0.113), days.now_s);
   ASSERT_TRUE(found.ok);
   EXPECT_NE(found.text.find("13.0 mm"), std::string::npos) << found.text;
-  days.placements.Request(1, Request({kSpaceLocal}), days.now_s);
-  EXPECT_FALSE(days.placements.Aligned(1));
+  days.base_poses.HandleRequest(1, Request({kSpaceLocal}), days.now_s);
+  EXPECT_FALSE(days.base_poses.IsAligned(1));
   EXPECT_EQ(days.entry().position_space_m.x, 0.1) << "a check moves nothing";
-  ASSERT_TRUE(days.placements.Execute(CheckAt(0.113, true), days.now_s).ok);
-  EXPECT_TRUE(days.placements.Aligned(1));
+  ASSERT_TRUE(days.base_poses.Execute(CheckAt(0.113, true), days.now_s).ok);
+  EXPECT_TRUE(days.base_poses.IsAligned(1));
   EXPECT_EQ(days.entry().position_space_m.x, 0.113);
   EXPECT_EQ(config::LoadAlignmentFile(days.path)->entries[0].drift.per_start_m, days.entry().drift.per_start_m);
   protocol::BasePoseCommand restore = Store(kSpaceLocal);
   restore.action = protocol::BasePoseAction::kRestore;
-  ASSERT_TRUE(days.placements.Execute(restore, days.now_s).ok);
+  ASSERT_TRUE(days.base_poses.Execute(restore, days.now_s).ok);
   EXPECT_EQ(days.entry().position_space_m.x, 0.1) << "as it was measured";
-  EXPECT_FALSE(days.placements.Execute(CheckAt(20, true), days.now_s).ok) << "a wrong mark, 20 m away";
+  EXPECT_FALSE(days.base_poses.Execute(CheckAt(20, true), days.now_s).ok) << "a wrong mark, 20 m away";
 }
 
 TEST(DaemonBaseDrift, CheckOfNothingIsRefused) {
-  BasePoses placements{""};
-  EXPECT_FALSE(placements.Execute(CheckAt(0.1), kDate_s).ok);
+  BasePoses base_poses{""};
+  EXPECT_FALSE(base_poses.Execute(CheckAt(0.1), kDate_s).ok);
 }
 
 // A headset with base stations comes back where it was. Three checks show it, and for weeks nothing fires.
@@ -118,7 +118,7 @@ TEST(DaemonBaseDrift, HeadsetThatStaysIsLeftAlone) {
     Days days(WriteNothing);
     for (int i = 0; i < 3; ++i) {
       days.Start();
-      ASSERT_TRUE(days.placements.Execute(CheckAt(0.1 + touch_m(random), true), days.now_s).ok);
+      ASSERT_TRUE(days.base_poses.Execute(CheckAt(0.1 + touch_m(random), true), days.now_s).ok);
     }
     for (int i = 0; i < 12; ++i) EXPECT_TRUE(days.Start()) << "seed " << seed << ", day " << i;
   }
@@ -147,7 +147,7 @@ TEST(DaemonBaseDrift, ClaimedErrorIsTheTrueOne) {
         }
         protocol::BasePoseCommand check = CheckAt(0, true);
         check.base_space.position_m = {truth_m.x, truth_m.y, truth_m.z};
-        ASSERT_TRUE(days.placements.Execute(check, days.now_s).ok);
+        ASSERT_TRUE(days.base_poses.Execute(check, days.now_s).ok);
       }
     }
     const double ratio = std::sqrt(squares / claimed);

@@ -25,39 +25,39 @@ Vec3 Turned(double angle_rad) {
 struct Room {
   TempFolder temp;
   std::string path = temp.Path("a.toml");
-  BasePoses placements{path};
+  BasePoses base_poses{path};
   Listener listener;
 
   Room() {
-    placements.Request(1, Request({kSpaceLocal}), kDate_s);
+    base_poses.HandleRequest(1, Request({kSpaceLocal}), kDate_s);
     Align();
     Feel(kField_T, 2 * BasePoses::kSteady_s);
   }
-  void Align() { EXPECT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok); }
+  void Align() { EXPECT_TRUE(base_poses.Execute(Store(kSpaceLocal), kDate_s).ok); }
   void Feel(const Vec3& field_T, int seconds) {
-    for (int i = 0; i < seconds; ++i) placements.Feel(field_T);
+    for (int i = 0; i < seconds; ++i) base_poses.UpdateField(field_T);
   }
-  const config::AlignmentEntry& entry() const { return placements.file().entries[0]; }
+  const config::AlignmentEntry& entry() const { return base_poses.file().entries[0]; }
 };
 
 TEST(DaemonBaseMoved, TurnedBaseMakesItsAlignmentDoubtful) {
   constexpr double kDegree = 0.017453292519943295;
   Room room;
   room.Feel(Turned(60 * kDegree), BasePoses::kMoved_s - 1);
-  EXPECT_TRUE(room.placements.Aligned(1));
+  EXPECT_TRUE(room.base_poses.IsAligned(1));
   room.Feel(Turned(60 * kDegree), 1);
-  EXPECT_FALSE(room.placements.Aligned(1));
-  room.listener.Listen(room.placements);
+  EXPECT_FALSE(room.base_poses.IsAligned(1));
+  room.listener.Listen(room.base_poses);
   EXPECT_EQ(room.listener.reported[1].back().doubtful, 1U) << "applications clear TRACKED";
   BasePoses again(room.path);
-  again.Request(1, Request({kSpaceLocal}), kDate_s);
-  EXPECT_FALSE(again.Aligned(1)) << "also after a restart";
+  again.HandleRequest(1, Request({kSpaceLocal}), kDate_s);
+  EXPECT_FALSE(again.IsAligned(1)) << "also after a restart";
   // By eye it is put back to within some degrees: not near enough.
   room.Feel(Turned(6 * kDegree), 60);
-  EXPECT_FALSE(room.placements.Aligned(1));
+  EXPECT_FALSE(room.base_poses.IsAligned(1));
   room.Feel(Turned(2 * kDegree), BasePoses::kMoved_s);
-  EXPECT_TRUE(room.placements.Aligned(1));
-  room.listener.Listen(room.placements);
+  EXPECT_TRUE(room.base_poses.IsAligned(1));
+  room.listener.Listen(room.base_poses);
   EXPECT_EQ(room.listener.reported[1].back().doubtful, 0U);
 }
 
@@ -70,8 +70,8 @@ TEST(DaemonBaseMoved, OrdinaryUseChangesNothing) {
     Vec3 desk_T;
     for (int s = 0; s < 3600; ++s) {
       if (s % 300 == 0) desk_T = {laid_T(random), laid_T(random), laid_T(random)};  // a laptop, a cup, a drawer
-      room.placements.Feel(kField_T + desk_T + Vec3{noise_T(random), noise_T(random), noise_T(random)});
-      ASSERT_TRUE(room.placements.Aligned(1)) << "seed " << seed << ", " << s << " s";
+      room.base_poses.UpdateField(kField_T + desk_T + Vec3{noise_T(random), noise_T(random), noise_T(random)});
+      ASSERT_TRUE(room.base_poses.IsAligned(1)) << "seed " << seed << ", " << s << " s";
     }
   }
 }
@@ -83,7 +83,7 @@ TEST(DaemonBaseMoved, PassingMagnetChangesNothing) {
     room.Feel(kField_T + Vec3{30e-6, 0, 0}, BasePoses::kMoved_s - 1);
     room.Feel(kField_T, 1);
   }
-  EXPECT_TRUE(room.placements.Aligned(1));
+  EXPECT_TRUE(room.base_poses.IsAligned(1));
 }
 
 // While one aligns, a controller with its magnets is near: the field is kept once it has become steady.
@@ -93,7 +93,8 @@ TEST(DaemonBaseMoved, KeepsTheFieldOnceItIsSteady) {
   std::uniform_real_distribution<double> near_T(-20e-6, 20e-6);
   room.Align();
   EXPECT_FALSE(room.entry().field_base_T.has_value()) << "of the alignment before";
-  for (int i = 0; i < 60; ++i) room.placements.Feel(kField_T + Vec3{near_T(random), near_T(random), near_T(random)});
+  for (int i = 0; i < 60; ++i)
+    room.base_poses.UpdateField(kField_T + Vec3{near_T(random), near_T(random), near_T(random)});
   EXPECT_FALSE(room.entry().field_base_T.has_value());
   room.Feel(kField_T, BasePoses::kSteady_s + 1);
   ASSERT_TRUE(room.entry().field_base_T.has_value());
@@ -104,15 +105,15 @@ TEST(DaemonBaseMoved, AligningOrRestoringTrustsItAgain) {
   for (const bool restore : {false, true}) {
     Room room;
     room.Feel(Turned(1), 10);
-    ASSERT_FALSE(room.placements.Aligned(1));
+    ASSERT_FALSE(room.base_poses.IsAligned(1));
     protocol::BasePoseCommand command = Store(kSpaceLocal);
     if (restore) command.action = protocol::BasePoseAction::kRestore;
-    ASSERT_TRUE(room.placements.Execute(command, kDate_s).ok);
-    EXPECT_TRUE(room.placements.Aligned(1));
+    ASSERT_TRUE(room.base_poses.Execute(command, kDate_s).ok);
+    EXPECT_TRUE(room.base_poses.IsAligned(1));
     room.Feel(Turned(1), 60);
-    EXPECT_TRUE(room.placements.Aligned(1)) << "the field of now belongs to it";
+    EXPECT_TRUE(room.base_poses.IsAligned(1)) << "the field of now belongs to it";
     room.Feel(kField_T, 10);
-    EXPECT_FALSE(room.placements.Aligned(1));
+    EXPECT_FALSE(room.base_poses.IsAligned(1));
   }
 }
 

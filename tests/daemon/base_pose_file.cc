@@ -1,4 +1,4 @@
-// The file of placements: an invalid one is reported and kept, a reply comes once it is written.
+// The file of base_poses: an invalid one is reported and kept, a reply comes once it is written.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -23,8 +23,8 @@ std::string Read(const std::string& path) {
 TEST(DaemonBasePoseFile, InvalidFileIsReportedAndNeverOverwritten) {
   const TempFolder temp;
   const std::string good = [&] {
-    BasePoses placements(temp.Path("good.toml"));
-    EXPECT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok);
+    BasePoses base_poses(temp.Path("good.toml"));
+    EXPECT_TRUE(base_poses.Execute(Store(kSpaceLocal), kDate_s).ok);
     return Read(temp.Path("good.toml"));
   }();
   const auto broken = [&](const std::string& from, const std::string& to) {
@@ -40,15 +40,15 @@ TEST(DaemonBasePoseFile, InvalidFileIsReportedAndNeverOverwritten) {
       {broken("wxyz = [", "wxyz = [0.9, 0.9, 0.9, 0.9] # "), "unit quaternion"}};
   for (const auto& [text, says] : cases) {
     const std::string path = temp.Write("bad.toml", text);
-    BasePoses placements(path);
-    EXPECT_NE(placements.problem().find("bad.toml"), std::string::npos);
-    EXPECT_NE(placements.problem().find(says), std::string::npos) << placements.problem();
-    const auto done = placements.Execute(Store(kSpaceStage), kDate_s);
+    BasePoses base_poses(path);
+    EXPECT_NE(base_poses.problem().find("bad.toml"), std::string::npos);
+    EXPECT_NE(base_poses.problem().find(says), std::string::npos) << base_poses.problem();
+    const auto done = base_poses.Execute(Store(kSpaceStage), kDate_s);
     EXPECT_FALSE(done.ok);
     EXPECT_NE(done.text.find("move it away"), std::string::npos) << done.text;
     protocol::BasePoseCommand forget;
     forget.action = protocol::BasePoseAction::kForget;
-    EXPECT_FALSE(placements.Execute(forget, kDate_s).ok);
+    EXPECT_FALSE(base_poses.Execute(forget, kDate_s).ok);
     EXPECT_EQ(Read(path), text);
   }
 }
@@ -56,10 +56,10 @@ TEST(DaemonBasePoseFile, InvalidFileIsReportedAndNeverOverwritten) {
 TEST(DaemonBasePoseFile, StoreFailsIfTheFileCannotBeWritten) {
   const TempFolder temp;
   temp.Write("file", "");
-  BasePoses placements(temp.Path("file/alignments.toml"));
-  const auto done = placements.Execute(Store(kSpaceLocal), kDate_s);
+  BasePoses base_poses(temp.Path("file/alignments.toml"));
+  const auto done = base_poses.Execute(Store(kSpaceLocal), kDate_s);
   EXPECT_FALSE(done.ok);
-  EXPECT_TRUE(placements.file().entries.empty());
+  EXPECT_TRUE(base_poses.file().entries.empty());
   BasePoses homeless("");
   EXPECT_NE(homeless.Execute(Store(kSpaceLocal), kDate_s).text.find("XDG_CONFIG_HOME"), std::string::npos);
 }
@@ -77,16 +77,16 @@ TEST(DaemonBasePoseFile, RepliesOnceTheFileIsWritten) {
   BasePoseWriter writer([&](ipc::ClientId, std::uint32_t number, bool done, const std::string& text) {
     answers.push_back({number, done, text});
   });
-  BasePoses placements(path, writer.write());
+  BasePoses base_poses(path, writer.write());
   const auto execute = [&](std::uint32_t number, const protocol::BasePoseCommand& command) {
-    writer.Answer(1, number, placements.Execute(command, kDate_s));
+    writer.ReplyWhenWritten(1, number, base_poses.Execute(command, kDate_s));
   };
   const auto take = [&](std::size_t count) {
-    while (answers.size() < count) writer.HandleWritten(placements);
+    while (answers.size() < count) writer.HandleWritten(base_poses);
   };
   execute(1, Store(kSpaceLocal));
   EXPECT_TRUE(answers.empty());
-  EXPECT_EQ(placements.file().entries.size(), 1U) << "in use at once";
+  EXPECT_EQ(base_poses.file().entries.size(), 1U) << "in use at once";
   protocol::BasePoseCommand forget = Store(kSpaceStage);
   forget.action = protocol::BasePoseAction::kForget;
   execute(2, forget);
@@ -102,12 +102,12 @@ TEST(DaemonBasePoseFile, RepliesOnceTheFileIsWritten) {
   take(3);
   EXPECT_FALSE(answers[2].done);
   EXPECT_NE(answers[2].text.find("a.toml: cannot be written: it is a folder"), std::string::npos) << answers[2].text;
-  EXPECT_NE(placements.problem().find("it is a folder"), std::string::npos);
+  EXPECT_NE(base_poses.problem().find("it is a folder"), std::string::npos);
   std::filesystem::remove(path);
   execute(4, Store(kSpaceStage));
   take(4);
   EXPECT_TRUE(answers[3].done);
-  EXPECT_EQ(placements.problem(), "");
+  EXPECT_EQ(base_poses.problem(), "");
   EXPECT_EQ(BasePoses(path).file().entries.size(), 2U);
 }
 

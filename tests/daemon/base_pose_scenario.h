@@ -1,4 +1,4 @@
-// What tests of the service's record of placements share.
+// What tests of the service's record of base_poses share.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -48,9 +48,9 @@ inline protocol::BasePoseCommand Store(std::int32_t space, double x = 0.1) {
 
 struct Listener {
   std::map<ipc::ClientId, std::vector<protocol::BasePose>> reported;
-  void Listen(BasePoses& placements) {
-    placements.Notify([this](ipc::ClientId id, const protocol::BasePose& placement) {
-      reported[id].push_back(placement);
+  void Listen(BasePoses& base_poses) {
+    base_poses.Notify([this](ipc::ClientId id, const protocol::BasePose& base_pose) {
+      reported[id].push_back(base_pose);
       return true;
     });
   }

@@ -49,7 +49,7 @@ class BuilderTest : public testing::Test {
     return app;
   }
   config::AppEntry Rigid(const std::string& name) { return Saved(name, haptics::SceneOf(haptics::Sphere(5, 0.02))); }
-  std::uint64_t Kept() const { return scene::CacheStore(folder_.Path("cache")).Use().files; }
+  std::uint64_t Kept() const { return scene::CacheStore(folder_.Path("cache")).Usage().files; }
 
   static BuiltScene Result(SceneBuilder& builder) {
     std::optional<BuiltScene> built;

@@ -44,24 +44,24 @@ TEST(DeviceWords, OpeningAnUnknownDeviceFails) {
 
 TEST(FaultLog, ReportsEachFaultOnceWithAdvice) {
   FaultLog log;
-  EXPECT_TRUE(log.News({.faults = wire::kFaultNotArmed | wire::kFaultHostSilent}).empty()) << "cleared by arming";
+  EXPECT_TRUE(log.PopLines({.faults = wire::kFaultNotArmed | wire::kFaultHostSilent}).empty()) << "cleared by arming";
   const device::TransportState hot{.waits_for_person = true, .faults = wire::kFaultOverTemperature | wire::kFaultFan};
-  const std::vector<FaultLine> news = log.News(hot);
+  const std::vector<FaultLine> news = log.PopLines(hot);
   ASSERT_EQ(news.size(), 3U);
   EXPECT_NE(news[0].text.find(wire::FaultAdvice(wire::kFaultOverTemperature)), std::string::npos) << news[0].text;
   EXPECT_NE(news[1].text.find(wire::FaultName(wire::kFaultFan)), std::string::npos) << news[1].text;
   EXPECT_NE(news[2].text.find("omni device selftest"), std::string::npos) << news[2].text;
   for (const FaultLine& line : news) EXPECT_TRUE(line.is_problem);
-  EXPECT_TRUE(log.News(hot).empty()) << "not again";
+  EXPECT_TRUE(log.PopLines(hot).empty()) << "not again";
 }
 
 TEST(FaultLog, ReportsWhenFaultsClear) {
   FaultLog log;
-  log.News({.faults = wire::kFaultFan});
-  const std::vector<FaultLine> news = log.News({});
+  log.PopLines({.faults = wire::kFaultFan});
+  const std::vector<FaultLine> news = log.PopLines({});
   ASSERT_EQ(news.size(), 1U);
   EXPECT_FALSE(news[0].is_problem);
-  EXPECT_EQ(log.News({.faults = wire::kFaultFan}).size(), 1U) << "a fault that comes back is news";
+  EXPECT_EQ(log.PopLines({.faults = wire::kFaultFan}).size(), 1U) << "a fault that comes back is news";
 }
 
 device::BaseNote FaultNote(std::uint32_t fault, std::uint8_t part, float value) {
@@ -84,34 +84,34 @@ device::BaseNote LogNote(wire::LogLevel level, const std::string& text) {
 
 TEST(FaultLog, ReportsTheFaultyPartAndTheMeasuredValue) {
   FaultLog log;
-  log.Hear(FaultNote(wire::kFaultOverTemperature, 2, 71.5F), 1);
-  log.Hear(FaultNote(wire::kFaultFan, 255, 0), 1);
-  const std::vector<FaultLine> news = log.News({.faults = wire::kFaultOverTemperature | wire::kFaultFan});
+  log.AddNote(FaultNote(wire::kFaultOverTemperature, 2, 71.5F), 1);
+  log.AddNote(FaultNote(wire::kFaultFan, 255, 0), 1);
+  const std::vector<FaultLine> news = log.PopLines({.faults = wire::kFaultOverTemperature | wire::kFaultFan});
   ASSERT_EQ(news.size(), 2U);
   EXPECT_EQ(news[0].text.find("over temperature at coil 2, 71.5 C: "), 0U) << news[0].text;
   EXPECT_NE(news[0].text.find(wire::FaultAdvice(wire::kFaultOverTemperature)), std::string::npos) << news[0].text;
   EXPECT_EQ(news[1].text.find("fan stands, 0 1/min: "), 0U) << news[1].text;
-  EXPECT_TRUE(log.News({.faults = wire::kFaultOverTemperature | wire::kFaultFan}).empty()) << "each once";
+  EXPECT_TRUE(log.PopLines({.faults = wire::kFaultOverTemperature | wire::kFaultFan}).empty()) << "each once";
 }
 
 TEST(FaultLog, ReportsFaultsThatTelemetryMissed) {
   FaultLog log;
-  log.Hear(FaultNote(wire::kFaultDriver, 1, 4), 1);
-  EXPECT_TRUE(log.News({}).empty()) << "telemetry may be on its way";
-  const std::vector<FaultLine> news = log.News({});
+  log.AddNote(FaultNote(wire::kFaultDriver, 1, 4), 1);
+  EXPECT_TRUE(log.PopLines({}).empty()) << "telemetry may be on its way";
+  const std::vector<FaultLine> news = log.PopLines({});
   ASSERT_EQ(news.size(), 1U);
   EXPECT_EQ(news[0].text, "driver fault at coil 1, 4 A, in state armed, 1.500 s after its start");
-  EXPECT_TRUE(log.News({}).empty());
+  EXPECT_TRUE(log.PopLines({}).empty());
 }
 
 TEST(FaultLog, HostSilenceAndStoredFaultsAreNotProblems) {
   FaultLog log;
-  log.Hear(FaultNote(wire::kFaultHostSilent, 255, 0.012F), 1);
+  log.AddNote(FaultNote(wire::kFaultHostSilent, 255, 0.012F), 1);
   device::BaseNote kept = FaultNote(wire::kFaultSupplyLow, 255, 8);
   kept.fault.after_reset = 1;
-  log.Hear(kept, 2);
-  log.Hear(FaultNote(0, 0, 0), 3);
-  const std::vector<FaultLine> news = log.News({});
+  log.AddNote(kept, 2);
+  log.AddNote(FaultNote(0, 0, 0), 3);
+  const std::vector<FaultLine> news = log.PopLines({});
   ASSERT_EQ(news.size(), 2U) << "fault 0 is none";
   EXPECT_EQ(news[0].text.find("host silent, 0.012 s"), 0U) << news[0].text;
   EXPECT_EQ(news[1].text.find("kept from before its last reset: supply low, 8 V"), 0U) << news[1].text;
@@ -120,9 +120,9 @@ TEST(FaultLog, HostSilenceAndStoredFaultsAreNotProblems) {
 
 TEST(FaultLog, BaseMessagesAreMadePrintable) {
   FaultLog log;
-  log.Hear(LogNote(wire::LogLevel::kWarning, "armed -> fault\x1B[31m\n"), 1);
-  log.Hear(LogNote(wire::LogLevel::kInfo, "idle -> armed"), 2);
-  const std::vector<FaultLine> news = log.News({});
+  log.AddNote(LogNote(wire::LogLevel::kWarning, "armed -> fault\x1B[31m\n"), 1);
+  log.AddNote(LogNote(wire::LogLevel::kInfo, "idle -> armed"), 2);
+  const std::vector<FaultLine> news = log.PopLines({});
   ASSERT_EQ(news.size(), 2U);
   EXPECT_EQ(news[0].text, "message: armed -> fault?[31m?");
   EXPECT_TRUE(news[0].is_problem);
@@ -138,20 +138,20 @@ TEST(FaultLog, LimitsTheRateOfBaseMessages) {
   constexpr int kPolls = 600;  // a minute
   for (int i = 0; i < kPolls; ++i) {
     for (int k = 0; k < 60; ++k) {
-      log.Hear(
+      log.AddNote(
           k % 2 == 0 ? LogNote(wire::LogLevel::kError, "?") : FaultNote(0x80000000U + static_cast<unsigned>(k), 0, 1),
           i * kPoll_ns);
     }
-    lines += log.News({}).size();
+    lines += log.PopLines({}).size();
   }
   EXPECT_GT(lines, 60U);
   EXPECT_LE(lines, 2 * (LineRate::kBurst + 60U)) << "each may be preceded by how many were left out";
   device::BaseNote late = LogNote(wire::LogLevel::kInfo, "at last");
   late.lost_before = 5;
-  log.News({});
-  log.News({});
-  log.Hear(late, 700 * kPoll_ns);
-  const std::vector<FaultLine> news = log.News({});
+  log.PopLines({});
+  log.PopLines({});
+  log.AddNote(late, 700 * kPoll_ns);
+  const std::vector<FaultLine> news = log.PopLines({});
   ASSERT_EQ(news.size(), 2U);
   EXPECT_NE(news[0].text.find(" messages of the base were left out"), std::string::npos) << news[0].text;
   EXPECT_EQ(news[1].text, "message: at last");

@@ -85,7 +85,7 @@ class EmergencyStopTest : public testing::Test {
       for (const auto* client : {&application_, &monitor_}) {
         if (*client == nullptr) continue;
         (*client)->Poll(base::MonotonicNow_ns());
-        (*client)->Beat();
+        (*client)->SignalAlive();
       }
       if (holds()) return true;
       std::this_thread::sleep_for(5ms);

@@ -64,10 +64,10 @@ TEST(DaemonFileWriter, WritesOnlyTheNewestWaitingText) {
   const auto disk = std::make_shared<Disk>();
   FileWriter writer(On(disk));
   disk->Set(false);
-  EXPECT_EQ(writer.Request("a", "1"), 1U);
+  EXPECT_EQ(writer.RequestWrite("a", "1"), 1U);
   disk->WaitUntilBegun(1);
-  for (int i = 2; i <= 50; ++i) EXPECT_EQ(writer.Request("a", std::to_string(i)), static_cast<std::uint64_t>(i));
-  EXPECT_EQ(writer.Request("b", "other"), 51U);
+  for (int i = 2; i <= 50; ++i) EXPECT_EQ(writer.RequestWrite("a", std::to_string(i)), static_cast<std::uint64_t>(i));
+  EXPECT_EQ(writer.RequestWrite("b", "other"), 51U);
   EXPECT_FALSE(writer.PopWritten()) << "the disk has not responded, and no call has waited for it";
   disk->Set(true);
   EXPECT_EQ(Next(writer).number, 1U);
@@ -80,12 +80,12 @@ TEST(DaemonFileWriter, AFailedWriteIsReportedAndTheNextIsTried) {
   const auto disk = std::make_shared<Disk>();
   disk->full = true;
   FileWriter writer(On(disk));
-  writer.Request("a", "1");
+  writer.RequestWrite("a", "1");
   const FileWriter::Written failed = Next(writer);
   ASSERT_FALSE(failed.status.ok());
   EXPECT_NE(failed.status.error().find("no space left"), std::string::npos);
   disk->full = false;
-  writer.Request("a", "2");
+  writer.RequestWrite("a", "2");
   EXPECT_TRUE(Next(writer).status.ok());
 }
 
@@ -93,7 +93,7 @@ TEST(DaemonFileWriter, DestructorWritesWaitingTexts) {
   const auto disk = std::make_shared<Disk>();
   {
     FileWriter writer(On(disk));
-    for (int i = 0; i < 20; ++i) writer.Request("file " + std::to_string(i), "x");
+    for (int i = 0; i < 20; ++i) writer.RequestWrite("file " + std::to_string(i), "x");
   }
   EXPECT_EQ(disk->files.size(), 20U);
   const FileWriter idle(On(disk));  // no request: no thread to end
@@ -104,7 +104,7 @@ TEST(DaemonFileWriter, HangingDiskDoesNotBlockTheDestructor) {
   disk->Set(false);
   {
     FileWriter writer(On(disk));
-    writer.Request("a", "1");
+    writer.RequestWrite("a", "1");
     disk->WaitUntilBegun(1);
   }
   EXPECT_EQ(disk->left, 0) << "abandoned";

@@ -48,7 +48,7 @@ TEST(DaemonFollowedBase, PlausibleMotionIsPublishedAsItIs) {
     BaseMotion motion = PoseAt(t_ns, x_m);
     motion.linear_velocity_m_s = {v_m_s, 0, 0};
     motion.base_space.orientation_wxyz = {1.004, 0, 0, 0};
-    const FollowedBase::Taken taken = base.Take(kTool, motion, t_ns + 2 * kMs_ns);
+    const FollowedBase::Taken taken = base.HandleMotion(kTool, motion, t_ns + 2 * kMs_ns);
     ASSERT_EQ(FlagsOf(taken.sample), static_cast<int>(kBaseSeen));
     EXPECT_EQ(taken.sample->t_ns, t_ns);
     EXPECT_EQ(taken.sample->position_space_m[0], x_m);
@@ -64,7 +64,7 @@ TEST(DaemonFollowedBase, LeapOfAMetreIsMarkedAndItsNewPlaceHolds) {
   const auto flags = [&](double x_m, double v_m_s = 0) {
     BaseMotion motion = PoseAt(t_ns += 11 * kMs_ns, x_m);
     motion.linear_velocity_m_s = {v_m_s, 0, 0};
-    return FlagsOf(base.Take(kTool, motion, t_ns).sample);
+    return FlagsOf(base.HandleMotion(kTool, motion, t_ns).sample);
   };
   constexpr int kSeen = kBaseSeen, kLeapt = kBaseSeen | kBaseLeapt;
   EXPECT_EQ(flags(0), kSeen);
@@ -76,28 +76,32 @@ TEST(DaemonFollowedBase, LeapOfAMetreIsMarkedAndItsNewPlaceHolds) {
   t_ns += 11 * kMs_ns;
   BaseMotion fast = PoseAt(t_ns, 1);
   fast.linear_velocity_m_s = {2, 0, 0};
-  EXPECT_EQ(base.Take(kTool, fast, t_ns).sample->linear_velocity_space_m_s[0], 0) << "where it went to, not how";
+  EXPECT_EQ(base.HandleMotion(kTool, fast, t_ns).sample->linear_velocity_space_m_s[0], 0)
+      << "where it went to, not how";
   t_ns += 11 * kMs_ns;
   BaseMotion turned = PoseAt(t_ns, 1);
   turned.base_space.orientation_wxyz = {0, 1, 0, 0};
-  EXPECT_EQ(FlagsOf(base.Take(kTool, turned, t_ns).sample), kLeapt) << "turned by 180 degrees";
+  EXPECT_EQ(FlagsOf(base.HandleMotion(kTool, turned, t_ns).sample), kLeapt) << "turned by 180 degrees";
   t_ns += 11 * kMs_ns;
   turned.t_ns = t_ns;
   turned.space = kSpaceStage;
-  EXPECT_EQ(FlagsOf(base.Take(kTool, turned, t_ns).sample), kLeapt) << "in another space";
+  EXPECT_EQ(FlagsOf(base.HandleMotion(kTool, turned, t_ns).sample), kLeapt) << "in another space";
 }
 
 TEST(DaemonFollowedBase, LostSourceLeavesTheLastPoseUnseen) {
   FollowedBase base;
-  EXPECT_EQ(FlagsOf(base.Take(kTool, PoseAt(kNow_ns, 0, BaseState::kLost), kNow_ns).sample), -1) << "no pose yet";
+  EXPECT_EQ(FlagsOf(base.HandleMotion(kTool, PoseAt(kNow_ns, 0, BaseState::kLost), kNow_ns).sample), -1)
+      << "no pose yet";
   EXPECT_TRUE(base.headset().has_value()) << "but where it was measured holds no longer";
-  base.Take(kTool, PoseAt(kNow_ns, 0.3), kNow_ns);
-  const auto lost = base.Take(kTool, PoseAt(kNow_ns + 9 * kMs_ns, 5, BaseState::kLost), kNow_ns + 10 * kMs_ns).sample;
+  base.HandleMotion(kTool, PoseAt(kNow_ns, 0.3), kNow_ns);
+  const auto lost =
+      base.HandleMotion(kTool, PoseAt(kNow_ns + 9 * kMs_ns, 5, BaseState::kLost), kNow_ns + 10 * kMs_ns).sample;
   ASSERT_EQ(FlagsOf(lost), 0);
   EXPECT_EQ(lost->position_space_m[0], 0.3);
   EXPECT_EQ(lost->t_ns, kNow_ns + 10 * kMs_ns) << "at once";
-  EXPECT_EQ(FlagsOf(base.Take(kTool, PoseAt(0, 0, BaseState::kLost), kNow_ns + 20 * kMs_ns).sample), -1) << "known";
-  EXPECT_EQ(FlagsOf(base.Take(kTool, PoseAt(kNow_ns + 30 * kMs_ns, 0.31), kNow_ns + 30 * kMs_ns).sample),
+  EXPECT_EQ(FlagsOf(base.HandleMotion(kTool, PoseAt(0, 0, BaseState::kLost), kNow_ns + 20 * kMs_ns).sample), -1)
+      << "known";
+  EXPECT_EQ(FlagsOf(base.HandleMotion(kTool, PoseAt(kNow_ns + 30 * kMs_ns, 0.31), kNow_ns + 30 * kMs_ns).sample),
             static_cast<int>(kBaseSeen))
       << "it is back";
   EXPECT_EQ(FlagsOf(base.Remove(kOther, kNow_ns)), -1);
@@ -107,57 +111,57 @@ TEST(DaemonFollowedBase, LostSourceLeavesTheLastPoseUnseen) {
 
 TEST(DaemonFollowedBase, OnePoseOutOfTimeOrOrderIsNotUsed) {
   FollowedBase base;
-  EXPECT_EQ(FlagsOf(base.Take(kTool, PoseAt(kNow_ns, 0.1), kNow_ns).sample), static_cast<int>(kBaseSeen));
-  EXPECT_EQ(FlagsOf(base.Take(kTool, PoseAt(kNow_ns, 0.1), kNow_ns).sample), -1) << "the same again";
-  EXPECT_EQ(FlagsOf(base.Take(kTool, PoseAt(kNow_ns - kMs_ns), kNow_ns).sample), -1) << "older";
+  EXPECT_EQ(FlagsOf(base.HandleMotion(kTool, PoseAt(kNow_ns, 0.1), kNow_ns).sample), static_cast<int>(kBaseSeen));
+  EXPECT_EQ(FlagsOf(base.HandleMotion(kTool, PoseAt(kNow_ns, 0.1), kNow_ns).sample), -1) << "the same again";
+  EXPECT_EQ(FlagsOf(base.HandleMotion(kTool, PoseAt(kNow_ns - kMs_ns), kNow_ns).sample), -1) << "older";
   for (const std::int64_t off_ns : {-FollowedBase::kOldest_ns - 1, FollowedBase::kLatest_ns + 1}) {
     FollowedBase other;
     const auto pose = PoseAt(kNow_ns + off_ns);
-    const FollowedBase::Taken taken = other.Take(kTool, pose, kNow_ns);
+    const FollowedBase::Taken taken = other.HandleMotion(kTool, pose, kNow_ns);
     EXPECT_EQ(FlagsOf(taken.sample), -1) << off_ns;
     EXPECT_NE(taken.problem, nullptr);
-    EXPECT_EQ(other.Take(kTool, pose, kNow_ns).problem, nullptr) << "said once";
+    EXPECT_EQ(other.HandleMotion(kTool, pose, kNow_ns).problem, nullptr) << "said once";
   }
 }
 
 TEST(DaemonFollowedBase, SecondSourceWaitsUntilTheFirstIsGoneOrSilent) {
   FollowedBase base;
-  base.Take(kTool, PoseAt(kNow_ns), kNow_ns);
-  const FollowedBase::Taken refused = base.Take(kOther, PoseAt(kNow_ns + kMs_ns, 2), kNow_ns + kMs_ns);
+  base.HandleMotion(kTool, PoseAt(kNow_ns), kNow_ns);
+  const FollowedBase::Taken refused = base.HandleMotion(kOther, PoseAt(kNow_ns + kMs_ns, 2), kNow_ns + kMs_ns);
   EXPECT_EQ(FlagsOf(refused.sample), -1);
   EXPECT_NE(refused.problem, nullptr);
   const std::int64_t later_ns = kNow_ns + FollowedBase::kHandOver_ns;
-  EXPECT_NE(FlagsOf(base.Take(kOther, PoseAt(later_ns), later_ns).sample), -1) << "the first is silent";
+  EXPECT_NE(FlagsOf(base.HandleMotion(kOther, PoseAt(later_ns), later_ns).sample), -1) << "the first is silent";
   base.Remove(kOther, later_ns);
-  EXPECT_NE(FlagsOf(base.Take(kTool, PoseAt(later_ns + 2), later_ns + 2).sample), -1);
+  EXPECT_NE(FlagsOf(base.HandleMotion(kTool, PoseAt(later_ns + 2), later_ns + 2).sample), -1);
 }
 
 // Applications of that headset, and no others, are notified that their base moves, and that it no longer does.
 TEST(DaemonFollowedBase, ApplicationsOfThatHeadsetAreNotified) {
   const TempFolder temp;
-  BasePoses placements(temp.Path("a.toml"));
-  placements.Request(1, Request({kSpaceLocal}), kDate_s);
+  BasePoses base_poses(temp.Path("a.toml"));
+  base_poses.HandleRequest(1, Request({kSpaceLocal}), kDate_s);
   protocol::BasePoseRequest elsewhere = Request({kSpaceLocal});
   elsewhere.headset = Headset("another runtime");
-  placements.Request(2, elsewhere, kDate_s);
+  base_poses.HandleRequest(2, elsewhere, kDate_s);
   Listener listener;
   const auto follows = [&](ipc::ClientId id) {
-    listener.Listen(placements);
+    listener.Listen(base_poses);
     return listener.reported[id].back().follows;
   };
   EXPECT_EQ(follows(1), 0U);
   FollowedBase base;
   for (int i = 0; i < 3; ++i) {
-    base.Take(kTool, PoseAt(kNow_ns + i * kMs_ns), kNow_ns + i * kMs_ns);
-    placements.SetFollowed(base.headset(), base.seen());
+    base.HandleMotion(kTool, PoseAt(kNow_ns + i * kMs_ns), kNow_ns + i * kMs_ns);
+    base_poses.SetFollowed(base.headset(), base.seen());
   }
   EXPECT_EQ(follows(1), 1U);
   EXPECT_EQ(follows(2), 0U);
   EXPECT_EQ(listener.reported[1].size(), 2U) << "not with every pose";
-  EXPECT_TRUE(placements.Aligned(1));
-  EXPECT_FALSE(placements.Aligned(2));
-  base.Take(kTool, PoseAt(0, 0, BaseState::kStands), kNow_ns + 9 * kMs_ns);
-  placements.SetFollowed(base.headset(), base.seen());
+  EXPECT_TRUE(base_poses.IsAligned(1));
+  EXPECT_FALSE(base_poses.IsAligned(2));
+  base.HandleMotion(kTool, PoseAt(0, 0, BaseState::kStands), kNow_ns + 9 * kMs_ns);
+  base_poses.SetFollowed(base.headset(), base.seen());
   EXPECT_EQ(follows(1), 0U);
 }
 
@@ -165,32 +169,32 @@ TEST(DaemonFollowedBase, ApplicationsOfThatHeadsetAreNotified) {
 TEST(DaemonFollowedBase, MountedBaseFollowsFromTheStart) {
   const FollowedBase base(true);
   const TempFolder temp;
-  BasePoses placements(temp.Path("a.toml"));
-  placements.SetFollowed(base.headset(), base.seen());
-  placements.Request(1, Request({kSpaceLocal}), kDate_s);
+  BasePoses base_poses(temp.Path("a.toml"));
+  base_poses.SetFollowed(base.headset(), base.seen());
+  base_poses.HandleRequest(1, Request({kSpaceLocal}), kDate_s);
   Listener listener;
-  listener.Listen(placements);
+  listener.Listen(base_poses);
   EXPECT_EQ(listener.reported[1].back().follows, 1U);
-  EXPECT_FALSE(placements.Aligned(1)) << "it is not known where it is";
+  EXPECT_FALSE(base_poses.IsAligned(1)) << "it is not known where it is";
 }
 
 // A base that moves turns in the earth's field on purpose.
 TEST(DaemonFollowedBase, FieldDoesNotMakeItsAlignmentDoubtful) {
   constexpr base::Vec3 kNorth_T{20e-6, 0, -42e-6}, kSouth_T{-20e-6, 0, -42e-6};
   const TempFolder temp;
-  BasePoses placements(temp.Path("a.toml"));
-  placements.Request(1, Request({kSpaceLocal}), kDate_s);
-  ASSERT_TRUE(placements.Execute(Store(kSpaceLocal), kDate_s).ok);
+  BasePoses base_poses(temp.Path("a.toml"));
+  base_poses.HandleRequest(1, Request({kSpaceLocal}), kDate_s);
+  ASSERT_TRUE(base_poses.Execute(Store(kSpaceLocal), kDate_s).ok);
   const auto feel = [&](const base::Vec3& field_T) {
-    for (int i = 0; i < 2 * BasePoses::kSteady_s; ++i) placements.Feel(field_T);
+    for (int i = 0; i < 2 * BasePoses::kSteady_s; ++i) base_poses.UpdateField(field_T);
   };
   feel(kNorth_T);
-  placements.SetFollowed(Headset(), true);
+  base_poses.SetFollowed(Headset(), true);
   feel(kSouth_T);
-  EXPECT_FALSE(placements.file().entries[0].base_moved);
-  placements.SetFollowed({}, false);
+  EXPECT_FALSE(base_poses.file().entries[0].base_moved);
+  base_poses.SetFollowed({}, false);
   feel(kSouth_T);
-  EXPECT_TRUE(placements.file().entries[0].base_moved) << "it stands, and not as it did";
+  EXPECT_TRUE(base_poses.file().entries[0].base_moved) << "it stands, and not as it did";
 }
 
 // Through the service: poses of a tool are published, and its end is.

@@ -41,7 +41,7 @@ class ForceClientsTest : public testing::Test {
   void Claim(ipc::ClientId id, bool wanted = true) {
     protocol::ForceClaim claim;
     claim.wanted = wanted ? 1 : 0;
-    table_.Handle(id, claim, kNow_ns);
+    table_.HandleRequest(id, claim, kNow_ns);
   }
   static protocol::ForceApply Push(std::int64_t t_ns = kNow_ns, std::int64_t duration_ns = 100 * kMs_ns) {
     protocol::ForceApply apply;
@@ -65,29 +65,29 @@ class ForceClientsTest : public testing::Test {
 };
 
 TEST_F(ForceClientsTest, OnlyTheFocusedClientThatClaimedThePenCanPush) {
-  EXPECT_FALSE(table_.Handle(1, Push(), kNow_ns)) << "no claim, no focus";
+  EXPECT_FALSE(table_.HandleRequest(1, Push(), kNow_ns)) << "no claim, no focus";
   Claim(1);
-  EXPECT_FALSE(table_.Handle(1, Push(), kNow_ns)) << "no focus";
+  EXPECT_FALSE(table_.HandleRequest(1, Push(), kNow_ns)) << "no focus";
   table_.SetOwner(1);
-  EXPECT_TRUE(table_.Handle(1, Push(), kNow_ns));
+  EXPECT_TRUE(table_.HandleRequest(1, Push(), kNow_ns));
   Claim(2);
-  EXPECT_FALSE(table_.Handle(2, Push(), kNow_ns)) << "another client is focused";
-  EXPECT_FALSE(table_.Handle(99, Push(), kNow_ns)) << "unknown client";
-  EXPECT_TRUE(table_.Command(kNow_ns).open);
+  EXPECT_FALSE(table_.HandleRequest(2, Push(), kNow_ns)) << "another client is focused";
+  EXPECT_FALSE(table_.HandleRequest(99, Push(), kNow_ns)) << "unknown client";
+  EXPECT_TRUE(table_.MakeCommand(kNow_ns).open);
 }
 
 TEST_F(ForceClientsTest, ChangeOfOwnerClearsForcesAndConstraints) {
   Claim(1);
   Claim(2);
   table_.SetOwner(1);
-  ASSERT_TRUE(table_.Handle(1, Push(), kNow_ns));
-  ASSERT_TRUE(table_.Handle(1, TwoSprings(), kNow_ns));
-  const haptics::AppliedCommand before = table_.Command(kNow_ns);
+  ASSERT_TRUE(table_.HandleRequest(1, Push(), kNow_ns));
+  ASSERT_TRUE(table_.HandleRequest(1, TwoSprings(), kNow_ns));
+  const haptics::AppliedCommand before = table_.MakeCommand(kNow_ns);
   EXPECT_EQ(before.constraint_count, 2U);
   EXPECT_GT(before.force_end_ns, kNow_ns);
   for (const ipc::ClientId owner : {ipc::ClientId{2}, ipc::ClientId{1}}) {
     table_.SetOwner(owner);
-    const haptics::AppliedCommand after = table_.Command(kNow_ns);
+    const haptics::AppliedCommand after = table_.MakeCommand(kNow_ns);
     EXPECT_EQ(after.constraint_count, 0U);
     EXPECT_LT(after.force_end_ns, kNow_ns);
     EXPECT_NE(after.force_id, before.force_id);
@@ -98,30 +98,30 @@ TEST_F(ForceClientsTest, ChangeOfOwnerClearsForcesAndConstraints) {
 TEST_F(ForceClientsTest, StopAndReleaseEndForcesAndConstraints) {
   Claim(1);
   table_.SetOwner(1);
-  table_.Handle(1, TwoSprings(), kNow_ns);
-  table_.Handle(1, protocol::ForceStop{}, kNow_ns);
-  EXPECT_EQ(table_.Command(kNow_ns).constraint_count, 0U);
-  table_.Handle(1, TwoSprings(), kNow_ns);
+  table_.HandleRequest(1, TwoSprings(), kNow_ns);
+  table_.HandleRequest(1, protocol::ForceStop{}, kNow_ns);
+  EXPECT_EQ(table_.MakeCommand(kNow_ns).constraint_count, 0U);
+  table_.HandleRequest(1, TwoSprings(), kNow_ns);
   Claim(1, false);
-  EXPECT_EQ(table_.Command(kNow_ns).constraint_count, 0U);
-  EXPECT_FALSE(table_.Command(kNow_ns).open);
+  EXPECT_EQ(table_.MakeCommand(kNow_ns).constraint_count, 0U);
+  EXPECT_FALSE(table_.MakeCommand(kNow_ns).open);
   Claim(1);
-  table_.Handle(1, TwoSprings(), kNow_ns);
+  table_.HandleRequest(1, TwoSprings(), kNow_ns);
   table_.Remove(1);
-  EXPECT_EQ(table_.Command(kNow_ns).constraint_count, 0U);
+  EXPECT_EQ(table_.MakeCommand(kNow_ns).constraint_count, 0U);
 }
 
 TEST_F(ForceClientsTest, LateMessageIsShortenedByItsDelay) {
   Claim(1);
   table_.SetOwner(1);
-  table_.Handle(1, Push(kNow_ns - 30 * kMs_ns, 40 * kMs_ns), kNow_ns);
-  EXPECT_EQ(table_.Command(kNow_ns).force_end_ns, kNow_ns + 10 * kMs_ns);
-  table_.Handle(1, Push(kNow_ns + 1'000'000 * kMs_ns, 40 * kMs_ns), kNow_ns);
-  EXPECT_EQ(table_.Command(kNow_ns).force_end_ns, kNow_ns + 40 * kMs_ns) << "a time in the future counts as now";
-  table_.Handle(1, Push(std::numeric_limits<std::int64_t>::min(), 40 * kMs_ns), kNow_ns);
-  EXPECT_LT(table_.Command(kNow_ns).force_end_ns, kNow_ns);
-  table_.Handle(1, Push(), kNow_ns);
-  EXPECT_LT(table_.Command(kNow_ns + 100 * kMs_ns).force_end_ns, kNow_ns) << "by the service's own clock";
+  table_.HandleRequest(1, Push(kNow_ns - 30 * kMs_ns, 40 * kMs_ns), kNow_ns);
+  EXPECT_EQ(table_.MakeCommand(kNow_ns).force_end_ns, kNow_ns + 10 * kMs_ns);
+  table_.HandleRequest(1, Push(kNow_ns + 1'000'000 * kMs_ns, 40 * kMs_ns), kNow_ns);
+  EXPECT_EQ(table_.MakeCommand(kNow_ns).force_end_ns, kNow_ns + 40 * kMs_ns) << "a time in the future counts as now";
+  table_.HandleRequest(1, Push(std::numeric_limits<std::int64_t>::min(), 40 * kMs_ns), kNow_ns);
+  EXPECT_LT(table_.MakeCommand(kNow_ns).force_end_ns, kNow_ns);
+  table_.HandleRequest(1, Push(), kNow_ns);
+  EXPECT_LT(table_.MakeCommand(kNow_ns + 100 * kMs_ns).force_end_ns, kNow_ns) << "by the service's own clock";
 }
 
 TEST_F(ForceClientsTest, NotifiesEachClientOncePerChange) {

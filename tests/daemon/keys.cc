@@ -166,7 +166,7 @@ class PipePorts : public KeyPorts {
   };
   explicit PipePorts(State& state) : state_(state) {}
 
-  std::vector<std::string> Find(const config::KeyDeviceRule& rule) override {
+  std::vector<std::string> FindDevices(const config::KeyDeviceRule& rule) override {
     const std::lock_guard lock(state_.mutex);
     std::vector<std::string> paths;
     for (const auto& [path, writer] : state_.writers) {
@@ -328,8 +328,8 @@ TEST(EvdevPorts, RejectsFilesThatAreNotInputDevices) {
   ASSERT_FALSE(null.ok());
   EXPECT_NE(null.error().find("/dev/null: is not an input device"), std::string::npos) << null.error();
   EXPECT_NE(ports->Open("/no/such/device", false).error().find("inputs.toml"), std::string::npos);
-  EXPECT_TRUE(ports->Find({.path = "/no/such/device", .name_glob = {}, .grab = false}).empty());
-  EXPECT_TRUE(ports->Find({.path = {}, .name_glob = "no device has this name", .grab = false}).empty());
+  EXPECT_TRUE(ports->FindDevices({.path = "/no/such/device", .name_glob = {}, .grab = false}).empty());
+  EXPECT_TRUE(ports->FindDevices({.path = {}, .name_glob = "no device has this name", .grab = false}).empty());
 }
 
 }  // namespace test_daemon_keys

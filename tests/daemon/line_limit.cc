@@ -21,9 +21,9 @@ TEST(LineLimit, WritesABurstThenOneLinePerPeriodWithOmittedCount) {
   EXPECT_EQ(Lines(text), std::size_t{LineLimit::kBurst});
   EXPECT_TRUE(limit.holds_back());
   text.clear();
-  limit.Report(2 * kSecond_ns, text);
+  limit.AppendDueLines(2 * kSecond_ns, text);
   EXPECT_EQ(text, "") << "not due yet";
-  limit.Report(kSecond_ns + LineLimit::kPeriod_ns, text);
+  limit.AppendDueLines(kSecond_ns + LineLimit::kPeriod_ns, text);
   EXPECT_EQ(text, "client 999 is gone (979 more of these in the last 10 s)\n");
   EXPECT_FALSE(limit.holds_back());
 }
@@ -79,7 +79,7 @@ TEST(LineLimit, FloodWritesNoMoreThanBurstPlusOneLinePerPeriod) {
   constexpr std::int64_t kFor_s = 600;
   for (std::int64_t i = 0; i < kFor_s * 100; ++i) {
     limit.Add("toggled " + std::to_string(i), i * kSecond_ns / 100, text);
-    limit.Report(i * kSecond_ns / 100, text);
+    limit.AppendDueLines(i * kSecond_ns / 100, text);
   }
   EXPECT_LE(Lines(text), LineLimit::kBurst + static_cast<std::size_t>(kFor_s * kSecond_ns / LineLimit::kPeriod_ns));
 }

@@ -39,7 +39,7 @@ std::string TextOf(const std::string& path) {
 // What a service that starts now knows of a base.
 tracker::MagnetOptions KnownOf(const std::string& path, const std::string& serial, double calibrated_Am2 = kOwn_Am2) {
   tracker::MagnetOptions options;
-  MagnetBook(path, config::WriteTextFile).Open(serial, calibrated_Am2, options);
+  MagnetBook(path, config::WriteTextFile).LoadKnownMagnets(serial, calibrated_Am2, options);
   return options;
 }
 
@@ -49,15 +49,15 @@ TEST(DaemonMagnetBook, LearntMagnetIsKnownAfterARestart) {
   {
     MagnetBook book(path, config::WriteTextFile);
     tracker::MagnetOptions options;
-    book.Open("A1", kOwn_Am2, options);
+    book.LoadKnownMagnets("A1", kOwn_Am2, options);
     EXPECT_EQ(options.known_count, 0);
     for (const auto magnet :
          {base::MagnetIdentity::kUnknown, base::MagnetIdentity::kNew, base::MagnetIdentity::kCalibrated}) {
-      EXPECT_FALSE(book.Add(ToolOf(0.9, magnet), kLearnt_s));
+      EXPECT_FALSE(book.AddSample(ToolOf(0.9, magnet), kLearnt_s));
     }
-    EXPECT_TRUE(book.Add(ToolOf(0.9), kLearnt_s));
-    EXPECT_FALSE(book.Add(ToolOf(0.905), kLearnt_s)) << "the same one";
-    EXPECT_TRUE(book.Add(ToolOf(1.1), kLearnt_s));
+    EXPECT_TRUE(book.AddSample(ToolOf(0.9), kLearnt_s));
+    EXPECT_FALSE(book.AddSample(ToolOf(0.905), kLearnt_s)) << "the same one";
+    EXPECT_TRUE(book.AddSample(ToolOf(1.1), kLearnt_s));
   }  // waits for the disk
   const tracker::MagnetOptions options = KnownOf(path, "A1");
   ASSERT_EQ(options.known_count, 2);
@@ -76,8 +76,8 @@ TEST(DaemonMagnetBook, ManyMagnetsKeepTheNewest) {
     MagnetBook book(path, config::WriteTextFile);
     tracker::MagnetOptions options;
     for (int base = 0; base < 20; ++base) {
-      book.Open("base " + std::to_string(base), kOwn_Am2, options);
-      for (const double scale : {0.8, 0.9, 1.1, 1.2}) EXPECT_TRUE(book.Add(ToolOf(scale), kLearnt_s));
+      book.LoadKnownMagnets("base " + std::to_string(base), kOwn_Am2, options);
+      for (const double scale : {0.8, 0.9, 1.1, 1.2}) EXPECT_TRUE(book.AddSample(ToolOf(scale), kLearnt_s));
     }
   }
   const auto read = config::LoadMagnetsFile(path);
@@ -108,9 +108,9 @@ TEST(DaemonMagnetBook, DamagedFileIsReportedAndNeverOverwritten) {
       EXPECT_NE(book.problem()->what.find(says), std::string::npos) << book.problem()->what;
       EXPECT_NE(book.problem()->fix.find("move it away"), std::string::npos);
       tracker::MagnetOptions options;
-      book.Open("A1", kOwn_Am2, options);
+      book.LoadKnownMagnets("A1", kOwn_Am2, options);
       EXPECT_EQ(options.known_count, 0);
-      EXPECT_FALSE(book.Add(ToolOf(0.8), kLearnt_s));
+      EXPECT_FALSE(book.AddSample(ToolOf(0.8), kLearnt_s));
     }
     EXPECT_EQ(TextOf(path), text);
   }
@@ -123,17 +123,17 @@ TEST(DaemonMagnetBook, DiskThatRefusesIsReportedUntilItDoesNot) {
                    : base::Status(base::Ok{});
   });
   tracker::MagnetOptions options;
-  book.Open("A1", kOwn_Am2, options);
+  book.LoadKnownMagnets("A1", kOwn_Am2, options);
   const auto wait = [&] {
     for (int k = 0; k < 5000 && !book.HandleWritten(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   };
-  EXPECT_TRUE(book.Add(ToolOf(0.8), kLearnt_s));
+  EXPECT_TRUE(book.AddSample(ToolOf(0.8), kLearnt_s));
   wait();
   ASSERT_TRUE(book.problem());
   EXPECT_NE(book.problem()->what.find("the disk is full: a pen that was learnt is known until omnid ends"),
             std::string::npos);
   refuses = false;
-  EXPECT_TRUE(book.Add(ToolOf(1.2), kLearnt_s));
+  EXPECT_TRUE(book.AddSample(ToolOf(1.2), kLearnt_s));
   wait();
   EXPECT_FALSE(book.problem());
 }

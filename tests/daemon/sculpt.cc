@@ -110,7 +110,7 @@ class SculptThreadTest : public testing::Test {
   }
   void Begin(const std::shared_ptr<const haptics::Scene>& scene, std::uint64_t client = 1) {
     thread_.Add(client, "lumps.glb", scene);
-    thread_.Enter(*scene);
+    thread_.EnterScene(*scene);
   }
   // A finished stroke.
   void Stroke(const haptics::Scene& scene, std::uint32_t n, double offset_m) {
@@ -133,11 +133,11 @@ TEST_F(SculptThreadTest, RunsOnlyWhileASculptableSceneExists) {
     const auto scene = Lumps(1);
     thread_.Add(1, "lumps.glb", scene);
     EXPECT_TRUE(thread_.running());
-    if (round % 2 == 0) thread_.Enter(*scene);
+    if (round % 2 == 0) thread_.EnterScene(*scene);
     if (round % 3 == 0) {
       EXPECT_EQ(Edits("strokes"), 0);
     }
-    thread_.Leave(*scene);
+    thread_.LeaveScene(*scene);
     thread_.Remove(*scene);
     if (round % 4 == 0) {
       EXPECT_TRUE(InTime([&] { return !thread_.running(); }));
@@ -174,7 +174,7 @@ TEST_F(SculptThreadTest, RejectsUndoAndRedoDuringAStroke) {
     EXPECT_FALSE(answer.ok);
     EXPECT_NE(answer.text.find("a stroke is open; lift the pen"), std::string::npos) << answer.text;
   }
-  thread_.Leave(*scene);  // its end will not come
+  thread_.LeaveScene(*scene);  // its end will not come
   EXPECT_EQ(Edits("stroke_open"), false);
   EXPECT_EQ(Edits("strokes"), 1) << "finished edits stay";
   EXPECT_GT(Top(*scene), kRadius_m + 0.0015);
@@ -281,7 +281,7 @@ TEST_F(SculptThreadTest, TickSeesConsistentSurfaceDuringEdits) {
   thread_.Add(1, "lumps.glb", scene);
   haptics::Random random(11);
   for (int round = 0; round < 12; ++round) {
-    thread_.Enter(*scene);
+    thread_.EnterScene(*scene);
     std::atomic<bool> stop{false};
     std::atomic<std::uint64_t> walks{0};
     std::thread tick([&] {
@@ -314,7 +314,7 @@ TEST_F(SculptThreadTest, TickSeesConsistentSurfaceDuringEdits) {
     EXPECT_TRUE(InTime([&] { return walks.load() > 3; }));
     stop.store(true, std::memory_order_release);  // the tick no longer uses the scene ...
     tick.join();
-    thread_.Leave(*scene);  // ... and only then this
+    thread_.LeaveScene(*scene);  // ... and only then this
     if (round % 3 == 0) Request(SculptAction::kUndo);
   }
   thread_.Remove(*scene);

@@ -238,13 +238,13 @@ TEST(SurfaceClients, NoThreadRunsWithoutARequest) {
 TEST(SurfaceClients, RequestDuringThreadShutdownGetsANewMemory) {
   Notified reported;
   reported.scene = std::make_shared<const Scene>(haptics::Built(ExtrudableInput()));
-  reported.clients.Request(1, true);
+  reported.clients.HandleRequest(1, true);
   ASSERT_TRUE(reported.Until(1));
   for (ipc::ClientId id = 2; id < 12; ++id) {
     const std::uint64_t before = reported.messages.back().second;
     reported.clients.Remove(id - 1);
     reported.clients.Update(reported.scene, reported.generation);
-    reported.clients.Request(id, true);
+    reported.clients.HandleRequest(id, true);
     ASSERT_TRUE(reported.Until(id));
     EXPECT_EQ(reported.messages.back(), std::make_pair(id, before + 1));
   }
@@ -253,7 +253,7 @@ TEST(SurfaceClients, RequestDuringThreadShutdownGetsANewMemory) {
 TEST(SurfaceClients, NotifiesEachClientOncePerMemory) {
   using Messages = std::vector<std::pair<ipc::ClientId, std::uint64_t>>;
   Notified reported;
-  reported.clients.Request(1, true);
+  reported.clients.HandleRequest(1, true);
   ASSERT_TRUE(reported.Until(1));
   EXPECT_EQ(reported.messages, (Messages{{1, 0}})) << "no scene: nothing to draw";
   EXPECT_FALSE(reported.clients.running());
@@ -262,7 +262,7 @@ TEST(SurfaceClients, NotifiesEachClientOncePerMemory) {
   ASSERT_TRUE(reported.Until(2));
   EXPECT_EQ(reported.messages.back(), std::make_pair(ipc::ClientId{1}, std::uint64_t{1}));
   EXPECT_TRUE(reported.clients.running());
-  reported.clients.Request(2, true);
+  reported.clients.HandleRequest(2, true);
   ASSERT_TRUE(reported.Until(3));
   EXPECT_EQ(reported.messages.back(), std::make_pair(ipc::ClientId{2}, std::uint64_t{1}));
   reported.generation = 3;  // another scene
@@ -275,7 +275,7 @@ TEST(SurfaceClients, NotifiesEachClientOncePerMemory) {
   ASSERT_TRUE(reported.Until(5));
   EXPECT_EQ(reported.messages[4].second, reported.messages[3].second);
   EXPECT_GT(reported.messages[4].second, 1U);
-  reported.clients.Request(1, false);
+  reported.clients.HandleRequest(1, false);
   reported.clients.Remove(2);
   for (int i = 0; i < 2000 && reported.clients.running(); ++i) {
     reported.clients.Update(reported.scene, reported.generation);
@@ -336,7 +336,7 @@ class SurfacesOverTheSocket : public testing::Test {
     for (int i = 0; i < 10'000; ++i) {
       for (client::Connection* connection : connections) {
         connection->Poll(base::MonotonicNow_ns());
-        connection->Beat();
+        connection->SignalAlive();
       }
       if (holds()) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -371,9 +371,9 @@ TEST_F(SurfacesOverTheSocket, ClientRequestsReceivesAndCancelsSurfaces) {
   ASSERT_TRUE(Until({monitor.get(), clay.get()}, [&] { return first->Read(0, copy) == SurfaceRead::kTriangles; }));
   EXPECT_EQ(copy.triangles.size(), 4U);
   protocol::SurfacePulse early, later;
-  ASSERT_TRUE(first->Pulse(early));
+  ASSERT_TRUE(first->ReadPulse(early));
   ASSERT_TRUE(Until({monitor.get(), clay.get()},
-                    [&] { return first->Pulse(later) && later.poll_count >= early.poll_count + 10; }));
+                    [&] { return first->ReadPulse(later) && later.poll_count >= early.poll_count + 10; }));
 
   // A repeated request gets the same memory.
   monitor->RequestSurfaces(true);
@@ -400,7 +400,7 @@ TEST_F(SurfacesOverTheSocket, ClientRequestsReceivesAndCancelsSurfaces) {
   int still = 0;
   ASSERT_TRUE(Until({monitor.get(), clay.get()}, [&] {
     protocol::SurfacePulse pulse;
-    (void)last->Pulse(pulse);
+    (void)last->ReadPulse(pulse);
     still = pulse.poll_count == last_count ? still + 1 : 0;
     last_count = pulse.poll_count;
     return still > 100;

@@ -48,45 +48,45 @@ std::vector<float> Held(const Vibration& vibration) {
 
 TEST(DaemonVibration, ALaterEventReplacesTheEarlier) {
   Vibration vibration;
-  vibration.Tone({.duration_ns = 5 * kMs, .amplitude = 0.5F, .frequency_Hz = 100});
+  vibration.PlayTone({.duration_ns = 5 * kMs, .amplitude = 0.5F, .frequency_Hz = 100});
   EXPECT_EQ(vibration.waveform().id, 1u);
   EXPECT_DOUBLE_EQ(vibration.waveform().duration_s, 0.005);
   EXPECT_FALSE(vibration.PopFresh());
   Sent envelope = Make(protocol::WaveformKind::kEnvelope, {0, 1, 0.5F});
   envelope.waveform.duration_ns = 300 * kMs;
-  vibration.Shape(envelope.haptic(), 0);
+  vibration.PlayShaped(envelope.haptic(), 0);
   EXPECT_EQ(vibration.waveform().id, 2u);
   EXPECT_EQ(vibration.waveform().kind, loop::VibrationKind::kEnvelope);
   EXPECT_DOUBLE_EQ(vibration.waveform().duration_s, 0.3);
   EXPECT_EQ(vibration.samples().id, 2u);
   EXPECT_EQ(Held(vibration), (std::vector<float>{0, 1, 0.5F}));
   EXPECT_TRUE(vibration.PopFresh());
-  vibration.Shape(Pcm({1, -1}, 1000, false).haptic(), 0);
+  vibration.PlayShaped(Pcm({1, -1}, 1000, false).haptic(), 0);
   EXPECT_EQ(vibration.waveform().id, 3u);
   EXPECT_EQ(Held(vibration), (std::vector<float>{1, -1}));
   vibration.Stop();
   EXPECT_FALSE(vibration.waveform().active);
-  vibration.Shape(Pcm({0.5F}, 1000, true).haptic(), 1);
+  vibration.PlayShaped(Pcm({0.5F}, 1000, true).haptic(), 1);
   EXPECT_EQ(vibration.waveform().id, 4u) << "a stopped vibration is not continued";
 }
 
 TEST(DaemonVibration, AppendsPcmOfAnySampleRate) {
   Vibration vibration;
   const std::vector<float> first = Ramp(200, 1), second = Ramp(300, -1);
-  vibration.Shape(Pcm(first, 1000, true).haptic(), 10 * kMs);
+  vibration.PlayShaped(Pcm(first, 1000, true).haptic(), 10 * kMs);
   const std::uint64_t id = vibration.waveform().id;
-  vibration.Shape(Pcm(second, 1000, true).haptic(), 50 * kMs);
+  vibration.PlayShaped(Pcm(second, 1000, true).haptic(), 50 * kMs);
   EXPECT_EQ(vibration.waveform().id, id);
   std::vector<float> all = first;
   all.insert(all.end(), second.begin(), second.end());
   EXPECT_EQ(Held(vibration), all);
-  vibration.Shape(Pcm(std::vector<float>(800, 0.25F), 8000, true).haptic(), 60 * kMs);
+  vibration.PlayShaped(Pcm(std::vector<float>(800, 0.25F), 8000, true).haptic(), 60 * kMs);
   EXPECT_EQ(vibration.samples().count, 600u) << "800 samples at 8 kHz are 100 ms";
   EXPECT_EQ(Held(vibration).back(), 0.25F);
-  vibration.Shape(Pcm({0.5F}, 1000, true).haptic(), 700 * kMs);
+  vibration.PlayShaped(Pcm({0.5F}, 1000, true).haptic(), 700 * kMs);
   EXPECT_EQ(vibration.waveform().id, id + 1) << "all has been played: a new effect";
   EXPECT_EQ(Held(vibration), std::vector<float>{0.5F});
-  vibration.Shape(Pcm({0.75F}, 1000, false).haptic(), 700 * kMs);
+  vibration.PlayShaped(Pcm({0.75F}, 1000, false).haptic(), 700 * kMs);
   EXPECT_EQ(vibration.waveform().id, id + 2);
 }
 
@@ -101,7 +101,7 @@ TEST(DaemonVibration, EndlessPcmStreamKeepsItsPositions) {
     std::vector<float> chunk(size);
     for (float& value : chunk) value = static_cast<float>(random() % 1000) / 1000.0F;
     all.insert(all.end(), chunk.begin(), chunk.end());
-    vibration.Shape(Pcm(chunk, 1000, true).haptic(), now_ns);
+    vibration.PlayShaped(Pcm(chunk, 1000, true).haptic(), now_ns);
     const loop::VibrationSamples& s = vibration.samples();
     ASSERT_EQ(s.first + s.count, all.size());
     for (std::uint32_t k = 0; k < s.count; ++k) ASSERT_EQ(s.values[k], all[s.first + k]) << i;
@@ -118,9 +118,9 @@ TEST(DaemonVibration, EndlessPcmStreamKeepsItsPositions) {
 
 TEST(DaemonVibration, DropsSamplesThatDoNotFit) {
   Vibration vibration;
-  for (int i = 0; i < 10; ++i) vibration.Shape(Pcm(std::vector<float>(4000, 1), 1000, true).haptic(), 0);
+  for (int i = 0; i < 10; ++i) vibration.PlayShaped(Pcm(std::vector<float>(4000, 1), 1000, true).haptic(), 0);
   EXPECT_EQ(vibration.samples().count, loop::kMaxVibrationSamples);
-  vibration.Shape(Pcm(std::vector<float>(4000, 1), 0.001F, false).haptic(), 0);
+  vibration.PlayShaped(Pcm(std::vector<float>(4000, 1), 0.001F, false).haptic(), 0);
   EXPECT_LE(vibration.samples().count, loop::kMaxVibrationSamples);
 }
 

@@ -23,15 +23,15 @@ wire::Arm Answer(wire::ArmStep step, std::uint32_t nonce = 0) {
 TEST(Arming, SendsOneRequestPerAttempt) {
   Arming arming;
   wire::Arm sent;
-  EXPECT_FALSE(arming.Next(0, sent)) << "nothing is known of the base yet";
+  EXPECT_FALSE(arming.NextToSend(0, sent)) << "nothing is known of the base yet";
   arming.OnTelemetry(Idle(), 0);
-  ASSERT_TRUE(arming.Next(0, sent));
+  ASSERT_TRUE(arming.NextToSend(0, sent));
   EXPECT_EQ(sent.step, wire::ArmStep::kRequest);
-  EXPECT_FALSE(arming.Next(0, sent));
+  EXPECT_FALSE(arming.NextToSend(0, sent));
   arming.OnTelemetry(Idle(), Arming::kAnswer_ns);
-  EXPECT_FALSE(arming.Next(Arming::kAnswer_ns, sent)) << "the answer may still come";
+  EXPECT_FALSE(arming.NextToSend(Arming::kAnswer_ns, sent)) << "the answer may still come";
   arming.OnTelemetry(Idle(), Arming::kAnswer_ns + 1);
-  EXPECT_TRUE(arming.Next(Arming::kAnswer_ns + 1, sent));
+  EXPECT_TRUE(arming.NextToSend(Arming::kAnswer_ns + 1, sent));
   EXPECT_EQ(sent.step, wire::ArmStep::kRequest);
 }
 
@@ -39,10 +39,10 @@ TEST(Arming, ConfirmsOnceWithTheNonceOfTheChallenge) {
   Arming arming;
   wire::Arm sent;
   arming.OnTelemetry(Idle(), 0);
-  ASSERT_TRUE(arming.Next(0, sent));
+  ASSERT_TRUE(arming.NextToSend(0, sent));
   ASSERT_TRUE(arming.OnArm(Answer(wire::ArmStep::kChallenge, 99), 1));
   EXPECT_FALSE(arming.OnArm(Answer(wire::ArmStep::kChallenge, 98), 1)) << "a second one is unsolicited";
-  ASSERT_TRUE(arming.Next(2, sent));
+  ASSERT_TRUE(arming.NextToSend(2, sent));
   EXPECT_EQ(sent.step, wire::ArmStep::kConfirm);
   EXPECT_EQ(sent.nonce, 99U);
   EXPECT_TRUE(arming.OnArm(Answer(wire::ArmStep::kArmed), 3));
@@ -52,7 +52,7 @@ TEST(Arming, ConfirmsOnceWithTheNonceOfTheChallenge) {
   armed.faults = 0;
   arming.OnTelemetry(armed, 4);
   EXPECT_TRUE(arming.armed());
-  EXPECT_FALSE(arming.Next(4, sent));
+  EXPECT_FALSE(arming.NextToSend(4, sent));
 }
 
 TEST(Arming, RejectsUnsolicitedAnswers) {
@@ -78,7 +78,7 @@ TEST(Arming, RefusalForARunningSelfTestIsTemporary) {
   Arming arming;
   wire::Arm sent;
   arming.OnTelemetry(Idle(), 0);
-  ASSERT_TRUE(arming.Next(0, sent));
+  ASSERT_TRUE(arming.NextToSend(0, sent));
   wire::Arm refusal = Answer(wire::ArmStep::kRefused);
   refusal.faults = wire::kFaultSelfTest;
   ASSERT_TRUE(arming.OnArm(refusal, 0));
@@ -93,12 +93,12 @@ TEST(Arming, RetriesOnlyAfterThePause) {
   Arming arming;
   wire::Arm sent;
   arming.OnTelemetry(Idle(), 0);
-  ASSERT_TRUE(arming.Next(0, sent));
+  ASSERT_TRUE(arming.NextToSend(0, sent));
   ASSERT_TRUE(arming.OnArm(Answer(wire::ArmStep::kRefused), 0));
   arming.OnTelemetry(Idle(), Arming::kPause_ns - 1);
-  EXPECT_FALSE(arming.Next(Arming::kPause_ns - 1, sent));
+  EXPECT_FALSE(arming.NextToSend(Arming::kPause_ns - 1, sent));
   arming.OnTelemetry(Idle(), Arming::kPause_ns);
-  EXPECT_TRUE(arming.Next(Arming::kPause_ns, sent));
+  EXPECT_TRUE(arming.NextToSend(Arming::kPause_ns, sent));
 }
 
 }  // namespace test_device_arming

@@ -58,16 +58,16 @@ TEST_F(Lis3mdlTest, BurstBehindTheOutputBeginsAgainAtItsFirstByte) {
 
 TEST_F(Lis3mdlTest, LookSaysWhetherThereIsANewSample) {
   chip.set_field_G({1, 1, 1});
-  EXPECT_EQ(driver.Look(), ChipStatus::kNotStarted);
+  EXPECT_EQ(driver.CheckForSample(), ChipStatus::kNotStarted);
   ASSERT_EQ(driver.Start(), ChipStatus::kOk);
-  EXPECT_EQ(driver.Look(), ChipStatus::kNoNewSample);
+  EXPECT_EQ(driver.CheckForSample(), ChipStatus::kNoNewSample);
   chip.Wait(1000);
   const long bytes = bus.bytes;
-  EXPECT_EQ(driver.Look(), ChipStatus::kOk);
-  EXPECT_EQ(driver.Look(), ChipStatus::kOk) << "looking takes nothing away";
+  EXPECT_EQ(driver.CheckForSample(), ChipStatus::kOk);
+  EXPECT_EQ(driver.CheckForSample(), ChipStatus::kOk) << "looking takes nothing away";
   EXPECT_EQ(bus.bytes - bytes, 4);
   ASSERT_EQ(driver.Read(sample), ChipStatus::kOk);
-  EXPECT_EQ(driver.Look(), ChipStatus::kNoNewSample);
+  EXPECT_EQ(driver.CheckForSample(), ChipStatus::kNoNewSample);
 }
 
 TEST_F(Lis3mdlTest, DistinguishesNewOldAndLostSamples) {

@@ -172,10 +172,10 @@ TEST_F(UsbBus, AnswersOnlyTheLastOfBackToBackSetups) {
 }
 
 TEST_F(UsbBus, SpuriousInterruptsAreHarmless) {
-  for (int i = 0; i < 100; ++i) device.Interrupt();
+  for (int i = 0; i < 100; ++i) device.HandleInterrupt();
   ExpectWorks(12);
   ASSERT_EQ(host.BulkOut(UsbBench::Frame(52, 1)), Status::kOk);
-  for (int i = 0; i < 100; ++i) device.Interrupt();
+  for (int i = 0; i < 100; ++i) device.HandleInterrupt();
   EXPECT_EQ(Receive(), UsbBench::Frame(52, 1));
   EXPECT_TRUE(Receive().empty());
 }
@@ -184,7 +184,7 @@ TEST_F(UsbBus, StopLeavesTheBusAndStartRejoinsIt) {
   device.Stop();
   EXPECT_FALSE(controller.running());
   EXPECT_EQ(device.state(), DeviceState::kOff);
-  device.Interrupt();
+  device.HandleInterrupt();
   EXPECT_EQ(host.GetDescriptor(1).status, Status::kTimeout);
   ASSERT_TRUE(device.Start());
   ASSERT_TRUE(host.Enumerate());

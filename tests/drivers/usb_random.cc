@@ -50,7 +50,7 @@ class RandomHost : public UsbBench {
       case 5:
         return void(controller.stir = !controller.stir);
       case 6:
-        return device.Interrupt();
+        return device.HandleInterrupt();
       default:
         return Work();
     }

@@ -284,9 +284,9 @@ TEST(Ball, SmallBallConvergesToThePointProxy) {
           triangle = CrossingInTree(surface, ball.object().root, last, tip, false).triangle;
         }
         if (triangle == kNoIndex || ball.contact.touch_count == 0) continue;
-        const ProxyPoint proxy = Descend(surface, triangle, tip);
+        const ProxyPoint proxy = DescendOnSurface(surface, triangle, tip);
         triangle = proxy.triangle;
-        if (Judge(surface, proxy, tip, 1) == ProxyVerdict::kOutside) {
+        if (ClassifyProxy(surface, proxy, tip, 1) == ProxyVerdict::kOutside) {
           triangle = kNoIndex;
           continue;
         }

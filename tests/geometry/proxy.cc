@@ -41,11 +41,12 @@ TEST(Proxy, RenumberedMeshGivesTheSameProxy) {
   for (int k = 0; k < 2000; ++k) {
     const auto start = static_cast<std::uint32_t>(random.Next() % scene.header().triangle_count);
     const Vec3 target = surface.TriangleCorners(start)[0] + random.InBox(4e-3);
-    const ProxyPoint flat = Descend(surface, start, target), other = Descend(view, view.Out(start), target);
+    const ProxyPoint flat = DescendOnSurface(surface, start, target),
+                     other = DescendOnSurface(view, view.Out(start), target);
     ASSERT_EQ(other.triangle, view.Out(flat.triangle));
     ASSERT_EQ(other.closest.point, flat.closest.point);
     ASSERT_EQ(NormalAt(view, other), NormalAt(surface, flat));
-    ASSERT_EQ(Judge(view, other, target, 1), Judge(surface, flat, target, 1));
+    ASSERT_EQ(ClassifyProxy(view, other, target, 1), ClassifyProxy(surface, flat, target, 1));
     ASSERT_EQ(OnBorder(view, other.triangle, other.closest.feature, other.closest.index), false);
   }
 }
@@ -62,7 +63,7 @@ TEST(Proxy, FindsTheNearestFacetOfASmoothFace) {
     int turned = 0;
     for (int k = 0; k < 3000; ++k) {
       tip = (random.Uniform(0.015, 0.0185) / Norm(tip)) * (tip + random.InBox(1e-3));
-      const ProxyPoint proxy = Descend(surface, triangle, tip);
+      const ProxyPoint proxy = DescendOnSurface(surface, triangle, tip);
       triangle = proxy.triangle;
       const NearestResult nearest = BruteNearest(scene, surface, tip);
       ASSERT_LT(proxy.closest.distance_squared, 1.5 * nearest.closest.distance_squared) << n << " " << k;
@@ -82,7 +83,7 @@ TEST(Proxy, StaysOnItsFaceAtACrease) {
     std::uint32_t triangle = support::NearestPoint(surface, scene.objects()[0], {0.003, 0.001, 0.0199}).triangle;
     for (double x = 0.003; x < 0.01999; x += 1e-4) {
       const Vec3 tip{x, 0.001, 0.0185};
-      const ProxyPoint proxy = Descend(surface, triangle, tip);
+      const ProxyPoint proxy = DescendOnSurface(surface, triangle, tip);
       triangle = proxy.triangle;
       ASSERT_NEAR(proxy.closest.point.z, 0.02, 1e-15) << n << " " << x;
       ASSERT_NEAR(proxy.closest.point.x, x, 1e-15);

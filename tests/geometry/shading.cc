@@ -137,7 +137,7 @@ TEST(Shading, LeavesFlatFacesAndSharpEdgesAlone) {
       const auto t = static_cast<std::uint32_t>(random.Next() % scene.header().triangle_count);
       ASSERT_EQ(ShadedNormal(surface, t, RandomWeights(random)), FaceNormal(surface, t));
       const Vec3 tip = At(surface.TriangleCorners(t), RandomWeights(random)) + random.InBox(4e-3);
-      const ProxyPoint proxy = Descend(surface, t, tip);
+      const ProxyPoint proxy = DescendOnSurface(surface, t, tip);
       const Vec3 direction = Normalized(proxy.closest.point - tip);
       ASSERT_EQ(ShadedDirection(surface, proxy.triangle, proxy.closest, direction), direction);
     }
@@ -187,7 +187,7 @@ TEST(Shading, EnergyGainedOnClosedPathsIsSmall) {
     double plain_J = 0, shaded_J = 0;  // for K = 1 N/m
     for (int k = 0; k < 2 * kSteps; ++k) {
       const Vec3 tip = tip_at(k), step = tip_at(k + 1) - tip;
-      const ProxyPoint proxy = Descend(surface, triangle, tip);
+      const ProxyPoint proxy = DescendOnSurface(surface, triangle, tip);
       triangle = proxy.triangle;
       if (k < kSteps) continue;  // the first round finds the path
       const double now_m = std::sqrt(proxy.closest.distance_squared);

@@ -139,7 +139,7 @@ TEST(Tree, FloatBoundsNeverExceedTheDistance) {
       const double slack_m = FloatSlack(soup.TreeExtent(), LargestComponent(p));
       for (const TrianglePacket& packet : soup.packets) {
         alignas(16) float bound[kPacketSize];
-        _mm_store_ps(bound, TriangleDistanceSquared(packet, Spread(p)));
+        _mm_store_ps(bound, TriangleDistanceSquared(packet, Broadcast(p)));
         for (int lane = 0; lane < kPacketSize; ++lane) {
           if (!(bound[lane] > 0)) continue;
           const double truth =

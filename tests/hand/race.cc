@@ -36,7 +36,7 @@ TEST_P(HandRace, FinishesALapAtAnyDisplayDelay) {
     const auto intent = tools::IntentFor(Track(), {});
     ASSERT_TRUE(intent.ok()) << intent.error();
     LedScenario scenario(Track(), RaceHand(), seed, Conditions::Drawn(seed));
-    EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << seed << ": " << intent->task->Account();
+    EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << seed << ": " << intent->task->Summary();
     EXPECT_GE(scenario.output().haptics.vehicle.laps, 1U) << "seed " << seed;
     hits += scenario.output().haptics.vehicle.hits;
     sum_s += scenario.t_s();
@@ -52,7 +52,7 @@ TEST(HandRaceAlone, LapWithoutVisualDelayIsFastAndHitFree) {
   const auto intent = tools::IntentFor(Track(), {});
   ASSERT_TRUE(intent.ok()) << intent.error();
   LedScenario scenario(Track(), RaceHand(), 1, {});
-  EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << intent->task->Account();
+  EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << intent->task->Summary();
   EXPECT_LT(scenario.t_s(), 13);
   EXPECT_EQ(scenario.output().haptics.vehicle.hits, 0U);
 }

@@ -44,7 +44,7 @@ TEST_P(HandTouch, SculptsClayAtAnyFeedbackDelay) {
     const auto intent = tools::IntentFor(loaded->scene, kPlaces);
     ASSERT_TRUE(intent.ok()) << intent.error();
     LedScenario scenario(loaded->scene, hand, Seed(k), Conditions::Drawn(Seed(k)));
-    EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
+    EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Summary();
     EXPECT_GE(loaded->scene.live()->sculpt_session_at(0).editor().undo_steps(), 2U) << "seed " << Seed(k);
     times.Add(scenario.t_s());
   }
@@ -67,7 +67,7 @@ TEST_P(HandTouch, DentsASoftBodyAtAnyDisplayDelay) {
     const auto intent = tools::IntentFor(body, kPlaces);
     ASSERT_TRUE(intent.ok()) << intent.error();
     LedScenario scenario(body, hand, Seed(k), Conditions::Drawn(Seed(k)));
-    EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
+    EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Summary();
     times.Add(scenario.t_s());
   }
   times.Print("soft");
@@ -80,7 +80,7 @@ TEST_P(HandTouch, PressesFirmSurfacesAtAnyFeedbackDelay) {
     const auto intent = tools::IntentFor(table, kPlaces);
     ASSERT_TRUE(intent.ok()) << intent.error();
     LedScenario scenario(table, PressAndSlide(), Seed(k), Conditions::Drawn(Seed(k)));
-    EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Account();
+    EXPECT_TRUE(scenario.Run(*intent->task, kPatience_s)) << "seed " << Seed(k) << ": " << intent->task->Summary();
     times.Add(scenario.t_s());
   }
   times.Print("firm");

@@ -36,7 +36,7 @@ struct Bench {
       output = {};
       return {};
     }
-    Apply(config, command, input, state, output);
+    ComputeAppliedForce(config, command, input, state, output);
     return output.force_base_N;
   }
   void Push(const Vec3& force_N, double seconds, double ramp_s = 0) {
@@ -132,11 +132,11 @@ TEST(Applied, ForceEndsWhenDeviceTimestampsStall) {
   Bench bench;
   bench.Push({0.5, 0, 0}, 0.1);
   for (int i = 0; i < 20; ++i) bench.Tick();
-  bench.command.force_end_ns = std::numeric_limits<std::int64_t>::min();  // as ForceClients::Command
+  bench.command.force_end_ns = std::numeric_limits<std::int64_t>::min();  // as ForceClients::MakeCommand
   bench.input.dt_s = 0;
   int ticks = 0;
   for (; ticks < 50 && bench.output.force_base_N != Vec3{}; ++ticks) {
-    Apply(bench.config, bench.command, bench.input, bench.state, bench.output);
+    ComputeAppliedForce(bench.config, bench.command, bench.input, bench.state, bench.output);
   }
   EXPECT_LE(ticks, 20);
 }
@@ -240,7 +240,7 @@ TEST(Applied, ForceAndSlewStayBoundedForRandomRequests) {
       bench.input.device_point_base_m = random() % 500 == 0 ? Vec3{nasty[random() % 5], 0, 0} : x;
       bench.input.velocity_base_m_s = v;
       const Vec3 force_N = bench.Tick();
-      ASSERT_TRUE(Within(force_N, 1e6)) << run << ' ' << tick;
+      ASSERT_TRUE(IsWithin(force_N, 1e6)) << run << ' ' << tick;
       ASSERT_LE(Norm(force_N), bench.config.force_max_N * (1 + 1e-9));
       ASSERT_LE(Norm(force_N - last), bench.config.force_slew_N_s * kTick_s * (1 + 1e-9));
       last = force_N;

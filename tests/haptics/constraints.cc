@@ -129,9 +129,9 @@ TEST(Constraints, StayWithinMaxForceForAnyInput) {
     c.stiffness_N_m = wild(c.stiffness_N_m);
     c.radius_m = wild(c.radius_m);
     const Vec3 x = dice.Vector(0.06);
-    const Constraint moved = Moved(c, wild(0.01));
+    const Constraint moved = MovedConstraint(c, wild(0.01));
     const Vec3 force_N = At(moved, x, {wild(0.1), 0, 0});
-    ASSERT_TRUE(Within(force_N, c.max_force_N * (1 + 1e-9))) << "run " << run;
+    ASSERT_TRUE(IsWithin(force_N, c.max_force_N * (1 + 1e-9))) << "run " << run;
   }
 }
 
@@ -220,14 +220,14 @@ TEST(Constraints, MoveWithTheirFrame) {
   for (int run = 0; run < 500; ++run) {
     Constraint c = dice.Shape();
     c.velocity_base_m_s = dice.Vector(0.2);
-    const Constraint later = Moved(c, 0.02);
+    const Constraint later = MovedConstraint(c, 0.02);
     EXPECT_LE(Norm(later.point_base_m - c.point_base_m - 0.02 * c.velocity_base_m_s), 1e-15);
     // On a point that moves with the frame only the spring acts.
     const Vec3 x = dice.Vector(0.05);
     Constraint springs = c;
     springs.damping_Ns_m = 0;
     EXPECT_LE(Norm(At(c, x, c.velocity_base_m_s) - At(springs, x, c.velocity_base_m_s)), 1e-12);
-    EXPECT_EQ(Moved(c, 10).velocity_base_m_s, Vec3{}) << "without updates it stands still";
+    EXPECT_EQ(MovedConstraint(c, 10).velocity_base_m_s, Vec3{}) << "without updates it stands still";
   }
 }
 

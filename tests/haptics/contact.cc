@@ -302,7 +302,7 @@ TEST(Contact, NonFiniteOrHugeInputIsNotRendered) {
   for (const double x : bad) {
     pen.Slide({0, 0, 0.021}, {0, 0, 0.018}, 50);
     pen.MoveTo({x, 0, 0.018});
-    EXPECT_TRUE(Within(pen.output.force_base_N, 2));
+    EXPECT_TRUE(IsWithin(pen.output.force_base_N, 2));
     EXPECT_EQ(pen.output.contact_count, 0);
     pen.MoveTo({0, 0, 0.03});
     pen.input.noise.position_m2 = x;

@@ -12,7 +12,7 @@ namespace test_haptics_far {
 // A pen kept off the fast path by a pose that names no object, with a new output each tick.
 class LongWay {
  public:
-  explicit LongWay(const Scene& scene) : scene_(scene) { Enter(scene_, state); }
+  explicit LongWay(const Scene& scene) : scene_(scene) { EnterScene(scene_, state); }
   const Output& Step(const Config& config, Input input) {
     const ObjectPose nobody;
     input.poses = {&nobody, 1};
@@ -68,7 +68,7 @@ void WalkBothWays(const Scene& scene, std::uint64_t seed, int& far_ticks, int& t
   const Config config;
   State state;
   Output output;
-  Enter(scene, state);
+  EnterScene(scene, state);
   LongWay slow(scene);
   slow.state = state;  // with its padding: GCC 12's __builtin_clear_padding leaves some of it as it was
   Wanderer wanderer(seed);
@@ -95,7 +95,7 @@ TEST(FarTip, EmptySceneGivesNoForceOrContact) {
   const Scene none;
   State state;
   Output output;
-  Enter(none, state);
+  EnterScene(none, state);
   Wanderer wanderer(7);
   for (int k = 0; k < 1000; ++k) {
     Step(config, none, wanderer.Next(), state, output);

@@ -63,10 +63,10 @@ TEST(Limits, ForceAndSlewLimitsHoldForRandomInputs) {
       pen.input.noise.velocity_m2_s2 = random.Next() % 40 == 0 ? Odd(random) : random.Uniform(0, 1e-3);
       pen.input.delay_s = random.Next() % 40 == 0 ? Odd(random) : random.Uniform(0, 1e-3);
       pen.input.t_ns += 1'000'000;
-      if (random.Next() % 500 == 0) Enter(scene, pen.state);
+      if (random.Next() % 500 == 0) EnterScene(scene, pen.state);
       Step(pen.config, scene, pen.input, pen.state, pen.output);
       const Vec3 force = pen.output.force_base_N;
-      ASSERT_TRUE(Within(force, 2)) << "seed " << seed;
+      ASSERT_TRUE(IsWithin(force, 2)) << "seed " << seed;
       ASSERT_TRUE(base::FeasibleScale(pen.input.limit, force) >= 1 - 1e-12) << "seed " << seed;
       const double dt_s = pen.input.dt_s >= 0 ? std::min(pen.input.dt_s, 5e-3) : 0;
       ASSERT_LE(Norm(force - last), pen.config.force_slew_N_s * dt_s + 1e-12) << "seed " << seed << " tick " << k;

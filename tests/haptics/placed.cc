@@ -24,7 +24,7 @@ struct PlacedPen {
     config = {.ramp_s = 0, .delay_s = 0, .coil_lag_s = 0, .predict_max_s = 0};
     input.limit = test::UsualLimit();
     input.tracked = true;
-    Enter(scene, state);
+    EnterScene(scene, state);
   }
   const Output& MoveTo(const Vec3& tip_m, const Placement& placement, bool leaps = false) {
     const Vec3 before_N = output.force_base_N;

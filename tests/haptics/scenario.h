@@ -126,7 +126,7 @@ class Pen {
     config.ramp_s = 0;
     input.limit = test::UsualLimit();
     input.tracked = true;
-    Enter(scene_, state);
+    EnterScene(scene_, state);
   }
 
   const Output& MoveTo(const Vec3& tip) {
@@ -152,7 +152,7 @@ class Pen {
   }
   void Swap(Scene scene) {
     scene_ = std::move(scene);
-    Enter(scene_, state);
+    EnterScene(scene_, state);
   }
   const Scene& scene() const { return scene_; }
 

@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   bool focused = false;  // a new connection is notified automatically
   for (;;) {
     connection.Poll(omni::base::MonotonicNow_ns());
-    connection.Beat();
+    connection.SignalAlive();
     if (connection.connected() && !focused) {
       focused = connection.SendSession(omni::protocol::SessionState::kBegun) &&
                 connection.SendSession(omni::protocol::SessionState::kFocused);

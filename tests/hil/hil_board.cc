@@ -11,7 +11,7 @@ namespace {
 class HostBoard final : public HilBoard {
  public:
   base::Status Step(const firmware::LockstepRequest& request, firmware::LockstepAnswer& answer) override {
-    board_.Answer(request, answer);
+    board_.HandleRequest(request, answer);
     return base::Ok{};
   }
   base::Status Reset(firmware::ResetCause cause) override {
@@ -19,7 +19,7 @@ class HostBoard final : public HilBoard {
     request.op = firmware::LockstepOp::kReset;
     request.argument = static_cast<std::uint32_t>(cause);
     firmware::LockstepAnswer answer;
-    board_.Answer(request, answer);
+    board_.HandleRequest(request, answer);
     return base::Ok{};
   }
 

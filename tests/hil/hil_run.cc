@@ -148,7 +148,7 @@ class Run {
   base::Status Tick(sim::Recording* recording) {
     if (options_.paced) pacer_.Wait(base::kTickPeriod_ns);
     sim::HandAim aim;
-    if (guide_ != nullptr && guide_->Poll(aim)) rig_.plant.Aim(aim);
+    if (guide_ != nullptr && guide_->Poll(aim)) rig_.plant.SetAim(aim);
     bool settled = false;
     for (int i = 0; i < firmware::kStepsPerTick; ++i) {
       base::Status stepped = rig_.chain.Step();

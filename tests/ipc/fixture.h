@@ -78,7 +78,7 @@ class RecordingHandler : public ipc::ServerHandler {
     ++periods_;
     for (const auto& [id, client] : clients_) {
       if (gone_.count(id) > 0) continue;
-      if (const auto life = server->Life(id)) beats_[id] = life->beat.load();
+      if (const auto life = server->LifePageOf(id)) beats_[id] = life->beat.load();
       dropped_[id] = server->DroppedMessages(id);
       protocol::Notice notice;
       notice.level = 1;
@@ -305,7 +305,7 @@ class ForkedClient {
     bool reported = !keeper;
     for (;;) {
       connection.Poll(base::MonotonicNow_ns());
-      connection.Beat();
+      connection.SignalAlive();
       if (connection.connected() && !reported) {
         reported = true;
         const pid_t child = ::fork();

@@ -83,9 +83,9 @@ TEST(Lifecycle, ClientsReconnectToARestartedServiceWithTheirSessions) {
   }));
   EXPECT_EQ(connection.state(), nullptr);
   EXPECT_FALSE(connection.Send(protocol::HapticStop{}));
-  connection.Beat();
+  connection.SignalAlive();
   protocol::ToolSample seen;
-  EXPECT_TRUE(old_state->Newest(seen)) << "a reader that is still held stays readable";
+  EXPECT_TRUE(old_state->ReadNewest(seen)) << "a reader that is still held stays readable";
   EXPECT_NE(connection.last_error(), "");
 
   service = std::make_unique<Service>(temp.Path("omnid.sock"), 2);
@@ -95,7 +95,7 @@ TEST(Lifecycle, ClientsReconnectToARestartedServiceWithTheirSessions) {
   EXPECT_EQ(service->handler.Sessions()[0].second, SessionState::kFocused);
   const ipc::ClientId id = service->handler.IdOf("touch");
   const std::uint64_t before = service->handler.Beats(id);
-  connection.Beat();
+  connection.SignalAlive();
   EXPECT_TRUE(Eventually([&] { return service->handler.Beats(id) > before; }));
 }
 
@@ -105,7 +105,7 @@ TEST(Lifecycle, BeatIsSafeFromOtherThreadsDuringReconnection) {
   std::atomic<bool> stop{false};
   std::thread beating([&] {
     while (!stop.load(std::memory_order_relaxed)) {
-      connection.Beat();
+      connection.SignalAlive();
       std::this_thread::yield();
     }
   });

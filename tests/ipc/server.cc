@@ -34,7 +34,7 @@ TEST(Server, WelcomesAClientWithTheStateMemory) {
   sample.t_ns = 5;
   service.publisher->Publish(sample, {});
   protocol::ToolSample seen;
-  ASSERT_TRUE(connection.state()->Newest(seen));
+  ASSERT_TRUE(connection.state()->ReadNewest(seen));
   EXPECT_EQ(seen.t_ns, 5);
 }
 
@@ -289,12 +289,12 @@ TEST(Server, BeatReachesTheLifePage) {
   const TempFolder temp;
   Service service(temp.Path("omnid.sock"));
   client::Connection connection(InfoFor(temp.Path("omnid.sock"), "touch"));
-  connection.Beat();  // not connected: harmless
+  connection.SignalAlive();  // not connected: harmless
   ASSERT_TRUE(PollUntilConnected(connection));
   ASSERT_TRUE(Eventually([&] { return service.handler.Has("touch"); }));
   const ipc::ClientId id = service.handler.IdOf("touch");
   const std::uint64_t before = service.handler.Beats(id);
-  connection.Beat();
+  connection.SignalAlive();
   EXPECT_TRUE(Eventually([&] { return service.handler.Beats(id) > before; }));
 }
 

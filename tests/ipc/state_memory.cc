@@ -64,9 +64,9 @@ TEST(StateReader, SeesNothingBeforeTheFirstSample) {
   ToolSample a;
   ToolSample b;
   protocol::InputSnapshot inputs;
-  EXPECT_FALSE(reader->Newest(a));
-  EXPECT_FALSE(reader->Around(5, a, b));
-  EXPECT_FALSE(reader->Inputs(inputs));
+  EXPECT_FALSE(reader->ReadNewest(a));
+  EXPECT_FALSE(reader->ReadAround(5, a, b));
+  EXPECT_FALSE(reader->ReadInputs(inputs));
   EXPECT_EQ(reader->service_instance(), 42u);
 }
 
@@ -81,12 +81,12 @@ TEST(StateReader, ReadsThePublishedSample) {
   inputs.components[1] = {1.0f, 3, 2, 0, 900'000};
   publisher->Publish(sample, inputs);
   ToolSample seen;
-  ASSERT_TRUE(reader->Newest(seen));
+  ASSERT_TRUE(reader->ReadNewest(seen));
   EXPECT_EQ(seen.t_ns, 1'000'000);
   EXPECT_EQ(seen.force_base_N[2], 1.5);
   EXPECT_EQ(seen.gap_m, 0.01);
   protocol::InputSnapshot seen_inputs;
-  ASSERT_TRUE(reader->Inputs(seen_inputs));
+  ASSERT_TRUE(reader->ReadInputs(seen_inputs));
   EXPECT_EQ(seen_inputs.components[1].press_count, 3u);
   EXPECT_EQ(seen_inputs.components[1].t_change_ns, 900'000);
 }
@@ -99,7 +99,7 @@ TEST(StateReader, KeepsAQuarterSecondOfHistory) {
   ToolSample before;
   ToolSample after;
   const std::int64_t asked_ns = newest_ns - 250'000'000 + 300'000;
-  ASSERT_TRUE(reader->Around(asked_ns, before, after));
+  ASSERT_TRUE(reader->ReadAround(asked_ns, before, after));
   EXPECT_EQ(before.t_ns, newest_ns - 250'000'000);
   EXPECT_EQ(after.t_ns, newest_ns - 249'000'000);
 }
@@ -110,10 +110,10 @@ TEST(StateReader, AroundClampsToTheEndsOfTheHistory) {
   for (std::int64_t i = 1; i <= 2000; ++i) publisher->Publish(SampleAt(i * 1'000'000), {});
   ToolSample before;
   ToolSample after;
-  ASSERT_TRUE(reader->Around(std::numeric_limits<std::int64_t>::max(), before, after));
+  ASSERT_TRUE(reader->ReadAround(std::numeric_limits<std::int64_t>::max(), before, after));
   EXPECT_EQ(before.t_ns, 2'000'000'000);
   EXPECT_EQ(after.t_ns, 2'000'000'000);
-  ASSERT_TRUE(reader->Around(std::numeric_limits<std::int64_t>::min(), before, after));
+  ASSERT_TRUE(reader->ReadAround(std::numeric_limits<std::int64_t>::min(), before, after));
   EXPECT_EQ(before.t_ns, after.t_ns);
   EXPECT_EQ(before.t_ns, (2000 - (protocol::kRingCapacity - 2)) * std::int64_t{1'000'000});
 }
@@ -127,11 +127,11 @@ TEST(StatePublisher, ReplacesInvalidSamplesByNoPose) {
   inputs.components[0].value = std::numeric_limits<float>::infinity();
   publisher->Publish(sample, inputs);
   ToolSample seen;
-  ASSERT_TRUE(reader->Newest(seen));
+  ASSERT_TRUE(reader->ReadNewest(seen));
   EXPECT_EQ(seen.flags, 0u);
   EXPECT_EQ(seen.position_base_m[0], 0);
   protocol::InputSnapshot seen_inputs;
-  ASSERT_TRUE(reader->Inputs(seen_inputs));
+  ASSERT_TRUE(reader->ReadInputs(seen_inputs));
   EXPECT_EQ(seen_inputs.components[0].value, 1);
 }
 
@@ -149,20 +149,20 @@ TEST(StateReader, ReadsTheVehicleWhileThereIsOne) {
   const auto publisher = MakePublisher();
   const auto reader = ReaderOf(*publisher);
   protocol::VehicleSnapshot car;
-  EXPECT_FALSE(reader->Vehicle(car));
+  EXPECT_FALSE(reader->ReadVehicle(car));
   publisher->PublishVehicle({.t_ns = 5});
-  ASSERT_TRUE(reader->Vehicle(car));
+  ASSERT_TRUE(reader->ReadVehicle(car));
   EXPECT_EQ(car.on, 0U);
   for (const double x_m : {0.01, 0.02}) {
     publisher->PublishVehicle(CarAt(x_m));
-    ASSERT_TRUE(reader->Vehicle(car));
+    ASSERT_TRUE(reader->ReadVehicle(car));
     EXPECT_EQ(car.on, 1U);
     EXPECT_EQ(car.position_base_m[0], x_m);
     EXPECT_EQ(car.scene_generation, 3U);
     EXPECT_EQ(car.laps, 2U);
   }
   publisher->PublishVehicle({.t_ns = 7});
-  ASSERT_TRUE(reader->Vehicle(car));
+  ASSERT_TRUE(reader->ReadVehicle(car));
   EXPECT_EQ(car.on, 0U);
 }
 
@@ -171,13 +171,13 @@ TEST(StatePublisher, InvalidVehicleIsPublishedAsNone) {
   const auto reader = ReaderOf(*publisher);
   protocol::VehicleSnapshot car = CarAt(std::numeric_limits<double>::quiet_NaN());
   publisher->PublishVehicle(car);
-  ASSERT_TRUE(reader->Vehicle(car));
+  ASSERT_TRUE(reader->ReadVehicle(car));
   EXPECT_EQ(car.on, 0U);
   EXPECT_EQ(car.position_base_m[0], 0);
   car = CarAt(0.01);
   car.heading_rad = std::numeric_limits<double>::infinity();
   publisher->PublishVehicle(car);
-  ASSERT_TRUE(reader->Vehicle(car));
+  ASSERT_TRUE(reader->ReadVehicle(car));
   EXPECT_EQ(car.on, 0U);
 }
 
@@ -187,7 +187,7 @@ TEST(StatePublisher, TimeNeverGoesBack) {
   publisher->Publish(SampleAt(10), {});
   publisher->Publish(SampleAt(7), {});
   ToolSample seen;
-  ASSERT_TRUE(reader->Newest(seen));
+  ASSERT_TRUE(reader->ReadNewest(seen));
   EXPECT_EQ(seen.t_ns, 10);
 }
 
@@ -197,7 +197,7 @@ TEST(StateReader, OutlivesItsPublisher) {
   publisher->Publish(SampleAt(10), {});
   publisher.reset();
   ToolSample seen;
-  EXPECT_TRUE(reader->Newest(seen));
+  EXPECT_TRUE(reader->ReadNewest(seen));
 }
 
 struct GoodHeader : protocol::StateHeader {

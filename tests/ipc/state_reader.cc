@@ -52,7 +52,7 @@ TEST(StateReaderTelemetry, AtReturnsEachKeptPublicationAndNoOther) {
   const auto reader = StateReader::Map(base::UniqueFd(::dup(publisher->fd())), sizeof(StateMemory)).value();
   ToolSample sample;
   protocol::TelemetrySample telemetry;
-  EXPECT_FALSE(reader->At(0, sample, telemetry));
+  EXPECT_FALSE(reader->ReadAt(0, sample, telemetry));
   constexpr std::uint64_t kAll = 3 * protocol::kRingCapacity + 17;
   for (std::uint64_t i = 0; i < kAll; ++i) {
     protocol::TelemetrySample of_tick;
@@ -64,7 +64,7 @@ TEST(StateReaderTelemetry, AtReturnsEachKeptPublicationAndNoOther) {
   EXPECT_EQ(reader->published(), kAll);
   for (std::uint64_t i = 0; i < kAll + 5; ++i) {
     const bool kept = i < kAll && i + protocol::kRingCapacity >= kAll;
-    ASSERT_EQ(reader->At(i, sample, telemetry), kept) << i;
+    ASSERT_EQ(reader->ReadAt(i, sample, telemetry), kept) << i;
     if (!kept) continue;
     EXPECT_EQ(sample.t_ns, static_cast<std::int64_t>(1000 + i));
     EXPECT_EQ(telemetry.tick_ns, i);
@@ -81,8 +81,8 @@ TEST(StateReaderTelemetry, PublicationWithoutTelemetryHasNone) {
   publisher->PublishTelemetry({});
   publisher->Publish(SampleOf(1), {});
   publisher->Publish(SampleOf(2), {});
-  EXPECT_TRUE(reader->At(0, sample, telemetry));
-  EXPECT_FALSE(reader->At(1, sample, telemetry));
+  EXPECT_TRUE(reader->ReadAt(0, sample, telemetry));
+  EXPECT_FALSE(reader->ReadAt(1, sample, telemetry));
 }
 
 TEST(StateReaderProperty, AroundAgreesWithBruteForce) {
@@ -108,7 +108,7 @@ TEST(StateReaderProperty, AroundAgreesWithBruteForce) {
                                                               : *(next - 1);
       ToolSample before;
       ToolSample after;
-      ASSERT_TRUE(reader->Around(asked, before, after));
+      ASSERT_TRUE(reader->ReadAround(asked, before, after));
       ASSERT_EQ(before.t_ns, expect_before);
       ASSERT_EQ(after.t_ns, expect_after);
       ASSERT_TRUE(SameBits(before, SampleOf(before.t_ns)) && SameBits(after, SampleOf(after.t_ns)));
@@ -123,7 +123,7 @@ TEST(StateReaderProperty, BasesAroundAgreesWithBruteForce) {
   const auto reader = StateReader::Map(base::UniqueFd(::dup(publisher->fd())), sizeof(StateMemory)).value();
   protocol::BaseSample before, after;
   publisher->Publish(SampleOf(1), {});
-  EXPECT_FALSE(reader->Newest(after) || reader->Around(1, before, after)) << "no base has moved";
+  EXPECT_FALSE(reader->ReadNewest(after) || reader->ReadAround(1, before, after)) << "no base has moved";
   std::deque<std::int64_t> kept;
   std::int64_t t_ns = 1000;
   for (int i = 0; i < 3000; ++i) {
@@ -132,13 +132,13 @@ TEST(StateReaderProperty, BasesAroundAgreesWithBruteForce) {
     publisher->PublishBase(sample);
     kept.push_back(t_ns);
     if (kept.size() > protocol::kBaseRingCapacity - 1) kept.pop_front();
-    ASSERT_TRUE(reader->Newest(after));
+    ASSERT_TRUE(reader->ReadNewest(after));
     ASSERT_EQ(after.t_ns, t_ns);
     const std::int64_t asked =
         kept.front() - 200 +
         static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(kept.back() - kept.front() + 400));
     const auto next = std::upper_bound(kept.begin(), kept.end(), asked);
-    ASSERT_TRUE(reader->Around(asked, before, after));
+    ASSERT_TRUE(reader->ReadAround(asked, before, after));
     ASSERT_EQ(after.t_ns, next == kept.end() ? kept.back() : *next);
     ASSERT_EQ(before.t_ns, next == kept.begin() ? kept.front() : next == kept.end() ? kept.back() : *(next - 1));
     ASSERT_EQ(before.position_space_m[0], 1e-3 * static_cast<double>(before.t_ns));
@@ -158,14 +158,14 @@ TEST(StateReaderProperty, NeverMixesSamplesUnderAFastWriter) {
     }
   });
   ToolSample first;
-  while (!reader->Newest(first)) std::this_thread::yield();
+  while (!reader->ReadNewest(first)) std::this_thread::yield();
   std::mt19937_64 random(3);
   int pairs = 0;
   int newest_count = 0;
   std::int64_t last_ns = 0;
   for (int i = 0; i < 60'000; ++i) {
     ToolSample newest;
-    if (!reader->Newest(newest)) continue;
+    if (!reader->ReadNewest(newest)) continue;
     ++newest_count;
     ASSERT_TRUE(SameBits(newest, SampleOf(newest.t_ns)));
     ASSERT_GE(newest.t_ns, last_ns);
@@ -173,7 +173,7 @@ TEST(StateReaderProperty, NeverMixesSamplesUnderAFastWriter) {
     ToolSample before;
     ToolSample after;
     const std::int64_t asked = newest.t_ns - static_cast<std::int64_t>(random() % 600);
-    if (reader->Around(asked, before, after)) {
+    if (reader->ReadAround(asked, before, after)) {
       ++pairs;
       ASSERT_TRUE(SameBits(before, SampleOf(before.t_ns)) && SameBits(after, SampleOf(after.t_ns)));
       const bool around = before.t_ns <= asked && asked <= after.t_ns;
@@ -181,7 +181,7 @@ TEST(StateReaderProperty, NeverMixesSamplesUnderAFastWriter) {
       ASSERT_LE(after.t_ns - before.t_ns, 1);
     }
     protocol::InputSnapshot inputs;
-    if (reader->Inputs(inputs)) {
+    if (reader->ReadInputs(inputs)) {
       for (const auto& component : inputs.components) ASSERT_EQ(component.t_change_ns, inputs.t_ns);
     }
   }
@@ -215,24 +215,24 @@ void ReadAll(const StateReader& reader, std::mt19937_64& random) {
   ToolSample a;
   ToolSample b;
   protocol::InputSnapshot inputs;
-  if (reader.Newest(a)) {
+  if (reader.ReadNewest(a)) {
     EXPECT_TRUE(protocol::InRange(a));
   }
-  if (reader.Inputs(inputs)) {
+  if (reader.ReadInputs(inputs)) {
     EXPECT_TRUE(protocol::InRange(inputs));
   }
   protocol::ContactSnapshot contacts;
-  if (reader.Contacts(contacts)) {
+  if (reader.ReadContacts(contacts)) {
     EXPECT_TRUE(protocol::InRange(contacts));
   }
   protocol::VehicleSnapshot car;
-  if (reader.Vehicle(car)) {
+  if (reader.ReadVehicle(car)) {
     EXPECT_TRUE(protocol::InRange(car));
   }
   const std::int64_t asked[] = {0, std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max(),
                                 static_cast<std::int64_t>(random()), static_cast<std::int64_t>(random() % 1'000'000)};
   for (const std::int64_t t_ns : asked) {
-    if (!reader.Around(t_ns, a, b)) continue;
+    if (!reader.ReadAround(t_ns, a, b)) continue;
     EXPECT_TRUE(protocol::InRange(a) && protocol::InRange(b));
     EXPECT_LE(a.t_ns, b.t_ns);
   }
@@ -287,7 +287,7 @@ TEST(StateReaderProperty, ExtremePublicationCountsReadAsNothing) {
     hostile.memory->header.published = published;
     ReadAll(*hostile.reader, random);
     ToolSample sample;
-    EXPECT_FALSE(hostile.reader->Newest(sample));
+    EXPECT_FALSE(hostile.reader->ReadNewest(sample));
   }
 }
 

@@ -172,10 +172,10 @@ TEST(SurfaceReader, PulseCountsTheWritersPolls) {
   const auto publisher = PublisherOf({kSoftPlan});
   const auto reader = ReaderOfSurfaces(*publisher);
   protocol::SurfacePulse pulse;
-  EXPECT_FALSE(reader->Pulse(pulse));
-  publisher->Pulse(7);
-  publisher->Pulse(8);
-  ASSERT_TRUE(reader->Pulse(pulse));
+  EXPECT_FALSE(reader->ReadPulse(pulse));
+  publisher->PublishPulse(7);
+  publisher->PublishPulse(8);
+  ASSERT_TRUE(reader->ReadPulse(pulse));
   EXPECT_EQ(pulse.t_ns, 8);
   EXPECT_EQ(pulse.poll_count, 2U);
 }

@@ -62,7 +62,7 @@ TEST(SurfaceReaderProperty, NeverMixesPublicationsUnderAFastWriter) {
       const Generation made = MakeGeneration(g);
       const auto done = publisher->Publish(0, {.t_ns = g, .vertices_base_m = made.points, .triangles = made.triangles});
       refused += done != ipc::SurfacePublish::kDone;
-      publisher->Pulse(g);
+      publisher->PublishPulse(g);
     }
   });
   SurfaceCopy copy;
@@ -159,7 +159,7 @@ TEST(SurfaceReaderProperty, RandomMemoryYieldsOnlyDrawableSurfaces) {
     }
     for (std::size_t object = 0; object < 2; ++object) ExpectDrawable(*hostile.reader, object, copies[object]);
     protocol::SurfacePulse pulse;
-    (void)hostile.reader->Pulse(pulse);
+    (void)hostile.reader->ReadPulse(pulse);
     if (HasFatalFailure()) FAIL() << "round " << round;
   }
 }

@@ -1,4 +1,4 @@
-// The placement of the base: requested, used, guessed, and followed when the runtime moves a space.
+// The base pose of the base: requested, used, guessed, and followed when the runtime moves a space.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,13 +18,13 @@ constexpr XrSpaceLocationFlags kAll = layer::kValid | layer::kTracked;
 const glm::dvec3 kPen_B(0.01, 0.02, 0.06);  // the fake pen rests there
 
 protocol::BasePose KnownIn(std::int32_t space, const Pose& X_LB) {
-  protocol::BasePose placement;
-  placement.known = 1;
-  placement.space = space;
-  placement.base_space = {.position_m = {X_LB.p.x, X_LB.p.y, X_LB.p.z},
+  protocol::BasePose base_pose;
+  base_pose.known = 1;
+  base_pose.space = space;
+  base_pose.base_space = {.position_m = {X_LB.p.x, X_LB.p.y, X_LB.p.z},
                           .orientation_wxyz = {X_LB.q.w, X_LB.q.x, X_LB.q.y, X_LB.q.z}};
-  placement.expected_error_m = 1e-3;
-  return placement;
+  base_pose.expected_error_m = 1e-3;
+  return base_pose;
 }
 
 const Pose kPlaced{{0.4, 0.8, -0.3}, glm::normalize(glm::dquat(0.6, -0.6, 0.3, 0.2))};
@@ -63,12 +63,12 @@ class Alignment : public testing::Test {
   XrSpace local = XR_NULL_HANDLE, stage = XR_NULL_HANDLE, pen = XR_NULL_HANDLE;
 };
 
-TEST_F(Alignment, RequestsPlacementForRuntimeSystemAndSpaces) {
+TEST_F(Alignment, RequestsBasePoseForRuntimeSystemAndSpaces) {
   App app;
   Start(app);
   const Heard heard = service->heard();
-  ASSERT_EQ(heard.placement_requests.size(), 1U);
-  const protocol::BasePoseRequest& request = heard.placement_requests.front();
+  ASSERT_EQ(heard.base_pose_requests.size(), 1U);
+  const protocol::BasePoseRequest& request = heard.base_pose_requests.front();
   XrInstanceProperties properties{XR_TYPE_INSTANCE_PROPERTIES};
   ASSERT_EQ(xrGetInstanceProperties(app.instance, &properties), XR_SUCCESS);
   EXPECT_STREQ(request.headset.runtime, properties.runtimeName);
@@ -78,7 +78,7 @@ TEST_F(Alignment, RequestsPlacementForRuntimeSystemAndSpaces) {
   EXPECT_EQ(request.spaces[request.space_count - 1], protocol::kSpaceLocal);
 }
 
-TEST_F(Alignment, MeasuredPlacementLocatesPenInItsSpace) {
+TEST_F(Alignment, MeasuredBasePoseLocatesPenInItsSpace) {
   service->SetBasePose(KnownIn(protocol::kSpaceStage, kPlaced));
   App app;
   Start(app);
@@ -88,7 +88,7 @@ TEST_F(Alignment, MeasuredPlacementLocatesPenInItsSpace) {
   EXPECT_LT(DistanceFrom(in_stage - glm::dvec3(0, 1.6, 0), local), 1e-5) << "LOCAL is 1.6 m above STAGE";
 }
 
-TEST_F(Alignment, NewPlacementMovesPenInRunningSession) {
+TEST_F(Alignment, NewBasePoseMovesPenInRunningSession) {
   App app;
   Start(app);
   Pose moved = kPlaced;
@@ -98,11 +98,11 @@ TEST_F(Alignment, NewPlacementMovesPenInRunningSession) {
     EXPECT_TRUE(Comes(app, X.p + X.q * kPen_B, stage));
   }
   service->SetBasePose(KnownIn(protocol::kSpaceLocal, kPlaced));
-  EXPECT_TRUE(Comes(app, kPlaced.p + kPlaced.q * kPen_B, local)) << "a placement in another space";
+  EXPECT_TRUE(Comes(app, kPlaced.p + kPlaced.q * kPen_B, local)) << "a base pose in another space";
 }
 
 // The pen is tracked, about a base whose place is a guess; if the user disabled guessing, there is no pose.
-TEST_F(Alignment, UnknownPlacementIsGuessedInFrontOfTheUser) {
+TEST_F(Alignment, UnknownBasePoseIsGuessedInFrontOfTheUser) {
   protocol::BasePose unknown;
   service->SetBasePose(unknown);
   App app;
@@ -126,7 +126,7 @@ TEST_F(Alignment, UnknownPlacementIsGuessedInFrontOfTheUser) {
   EXPECT_TRUE(app.SyncUntil(*service, [&] { return At(local).locationFlags == 0; }));
 }
 
-TEST_F(Alignment, DoubtfulPlacementIsNotTracked) {
+TEST_F(Alignment, DoubtfulBasePoseIsNotTracked) {
   protocol::BasePose doubtful = KnownIn(protocol::kSpaceStage, kPlaced);
   doubtful.doubtful = 1;
   service->SetBasePose(doubtful);
@@ -199,8 +199,8 @@ TEST_F(Alignment, OutOfRangeRecentringClearsTracked) {
   EXPECT_EQ(heard.space_changes.front().pose_valid, 0U);
 }
 
-// Another application was faster: the placement that we get has the change already, our own event comes later.
-TEST_F(Alignment, RecentringAlreadyInPlacementIsNotAppliedTwice) {
+// Another application was faster: the base pose that we get has the change already, our own event comes later.
+TEST_F(Alignment, RecentringAlreadyInBasePoseIsNotAppliedTwice) {
   App app;
   Start(app);
   protocol::BasePose after = KnownIn(protocol::kSpaceLocal, kPlaced);
@@ -214,7 +214,7 @@ TEST_F(Alignment, RecentringAlreadyInPlacementIsNotAppliedTwice) {
   EXPECT_TRUE(service->heard().space_changes.empty());
 }
 
-TEST_F(Alignment, RequestsPlacementAgainFromNewService) {
+TEST_F(Alignment, RequestsBasePoseAgainFromNewService) {
   App app;
   Start(app);
   service.reset();
@@ -222,7 +222,7 @@ TEST_F(Alignment, RequestsPlacementAgainFromNewService) {
   Rest(*service);
   service->SetBasePose(KnownIn(protocol::kSpaceStage, kPlaced));
   EXPECT_TRUE(Comes(app, kPlaced.p + kPlaced.q * kPen_B, stage));
-  EXPECT_EQ(service->heard().placement_requests.size(), 1U);
+  EXPECT_EQ(service->heard().base_pose_requests.size(), 1U);
 }
 
 }  // namespace test_alignment

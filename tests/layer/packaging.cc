@@ -202,7 +202,7 @@ TEST(Packaging, PathsResolveByActionType) {
   const layer::Profile& touch =
       *std::find_if(profiles.begin(), profiles.end(), [](const layer::Profile& p) { return p.path == kTouch; });
   const auto path = [&](XrActionType type, const char* text) {
-    const auto binding = layer::Resolve(touch, Hand::kRight, type, text);
+    const auto binding = layer::ResolveBinding(touch, Hand::kRight, type, text);
     return binding ? binding->path : std::string();
   };
   EXPECT_EQ(path(XR_ACTION_TYPE_BOOLEAN_INPUT, "/user/hand/right/input/trigger"),
@@ -217,7 +217,7 @@ TEST(Packaging, PathsResolveByActionType) {
   EXPECT_EQ(path(XR_ACTION_TYPE_BOOLEAN_INPUT, "/user/hand/right/input/x/click"), "") << "the left hand's";
   EXPECT_EQ(path(XR_ACTION_TYPE_BOOLEAN_INPUT, "/user/hand/left/input/trigger/value"), "") << "another hand";
   const auto click =
-      layer::Resolve(touch, Hand::kRight, XR_ACTION_TYPE_BOOLEAN_INPUT, "/user/hand/right/input/trigger/touch");
+      layer::ResolveBinding(touch, Hand::kRight, XR_ACTION_TYPE_BOOLEAN_INPUT, "/user/hand/right/input/trigger/touch");
   ASSERT_TRUE(click);
   EXPECT_EQ(click->identifier, "/user/hand/right/input/trigger") << "what priorities collide on";
 }

@@ -18,7 +18,7 @@ haptics::Output Touching() {
 
 InputTracker WithDetent(bool on) {
   InputTracker tracker;
-  if (on) tracker.on = Bit(base::InputSource::kDetent);
+  if (on) tracker.on = SourceBit(base::InputSource::kDetent);
   return tracker;
 }
 

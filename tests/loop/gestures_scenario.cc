@@ -27,7 +27,7 @@ Counts Play(const sim::HandScript& script, std::uint64_t seed, double stiffness_
   while (scenario.Step(table)) {
     const base::SourceMask rose = scenario.output.sources & ~before;
     before = scenario.output.sources;
-    const auto count = [rose](InputSource source) { return (rose & Bit(source)) != 0 ? 1 : 0; };
+    const auto count = [rose](InputSource source) { return (rose & SourceBit(source)) != 0 ? 1 : 0; };
     counts.taps += count(InputSource::kTap);
     counts.doubles += count(InputSource::kDoubleTap);
     counts.presses += count(InputSource::kPress);
@@ -106,7 +106,7 @@ TEST(GestureScenario, PressingHardClicksOnceAndRendersTheDetent) {
   int clicks = 0;
   bool before = false;
   while (scenario.Step(table)) {
-    const bool on = (scenario.output.sources & Bit(InputSource::kDetent)) != 0;
+    const bool on = (scenario.output.sources & SourceBit(InputSource::kDetent)) != 0;
     clicks += on && !before ? 1 : 0;
     before = on;
     if (scenario.state.detent.time_s < loop::kDetentPulse_s) {

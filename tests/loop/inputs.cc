@@ -207,7 +207,7 @@ TEST_F(Keys, SourcesOfOneComponentActAsOneButton) {
 
 TEST(Inputs, FollowsTheInputMapping) {
   base::InputMapping mapping;
-  mapping.at(InputComponent::kMenu).plus = Bit(base::InputSource::kPress);
+  mapping.at(InputComponent::kMenu).plus = SourceBit(base::InputSource::kPress);
   mapping.thresholds.press_N = 0.5;
   mapping.thresholds.release_N = 0.4;
   InputTracker tracker;

@@ -38,7 +38,7 @@ TEST(PoseTrack, FollowsA90HzPoseStreamWithin20Micrometres) {
       PoseSample sample = Truth(1e-9 * static_cast<double>(t_ns + 20 * kMs));  // a frame is shown 20 ms later
       sample.t_ns = t_ns + 20 * kMs;
       sample.number = ++number;
-      Follow(sample, t_ns, track);
+      AddPoseSample(sample, t_ns, track);
     }
     if (t_ns < 100 * kMs) continue;
     const TrackedPose pose = PoseAt(track, t_ns);
@@ -76,7 +76,7 @@ TEST(PoseTrack, RandomSamplesGiveAContinuousSpeedLimitedPath) {
         sample.rotation = base::FromEigen(
             Eigen::Quaterniond(Eigen::AngleAxisd(uniform(-0.2, 0.2), Eigen::Vector3d::Random().normalized())));
         sample.leaps = uniform(0, 1) < 0.05;
-        leapt = Follow(sample, t_ns, track);
+        leapt = AddPoseSample(sample, t_ns, track);
       }
       const TrackedPose pose = PoseAt(track, t_ns);
       ASSERT_NEAR(base::ToEigen(pose.rotation).norm(), 1, 1e-9);
@@ -97,7 +97,7 @@ TEST(PoseTrack, ComesToRestWithoutNewSamples) {
   sample.number = 1;
   sample.t_ns = 10 * kMs;
   sample.velocity_m_s = {0.2, 0, 0};
-  ASSERT_FALSE(Follow(sample, 0, track));
+  ASSERT_FALSE(AddPoseSample(sample, 0, track));
   const TrackedPose on = PoseAt(track, 40 * kMs), rest = PoseAt(track, 60 * kMs), later = PoseAt(track, 10'000 * kMs);
   EXPECT_NEAR(on.position_m.x, 0.2 * 0.030, 1e-9);
   EXPECT_NEAR(on.velocity_m_s.x, 0.2, 1e-9);
@@ -112,16 +112,16 @@ TEST(PoseTrack, LeapsWhenFarOrFlagged) {
   sample.number = 1;
   sample.t_ns = 10 * kMs;
   sample.position_m = {0.2, 0, 0};
-  EXPECT_TRUE(Follow(sample, 0, track));
+  EXPECT_TRUE(AddPoseSample(sample, 0, track));
   EXPECT_EQ(PoseAt(track, 0).position_m, sample.position_m);
-  EXPECT_FALSE(Follow(sample, kMs, track)) << "it is not new";
+  EXPECT_FALSE(AddPoseSample(sample, kMs, track)) << "it is not new";
   sample.number = 2;
   sample.position_m.x = 0.201;
-  EXPECT_FALSE(Follow(sample, 20 * kMs, track));
+  EXPECT_FALSE(AddPoseSample(sample, 20 * kMs, track));
   sample.number = 3;
   sample.position_m.x = 0.202;
   sample.leaps = true;
-  EXPECT_TRUE(Follow(sample, 40 * kMs, track));
+  EXPECT_TRUE(AddPoseSample(sample, 40 * kMs, track));
   EXPECT_EQ(PoseAt(track, 40 * kMs).position_m, sample.position_m);
 }
 
@@ -131,7 +131,7 @@ TEST(PoseTrack, IgnoresInvalidSamples) {
   PoseSample good;
   good.number = 1;
   good.position_m = {0.01, 0, 0};
-  Follow(good, 0, track);
+  AddPoseSample(good, 0, track);
   const PoseTrack before = track;
   for (int k = 0; k < 5; ++k) {
     PoseSample bad = good;
@@ -142,7 +142,7 @@ TEST(PoseTrack, IgnoresInvalidSamples) {
     if (k == 2) bad.position_m.y = nan;
     if (k == 3) bad.velocity_m_s.z = std::numeric_limits<double>::infinity();
     if (k == 4) bad.angular_velocity_rad_s.x = nan;
-    EXPECT_FALSE(Follow(bad, 10 * kMs, track));
+    EXPECT_FALSE(AddPoseSample(bad, 10 * kMs, track));
     EXPECT_EQ(track.number, before.number);
   }
 }

@@ -23,14 +23,14 @@ std::unique_ptr<haptics::State> Formed(double offset_m, haptics::ExtrudePhase ph
 
 std::unique_ptr<haptics::State> Recalled(const SceneMemory& memory, std::uint64_t build) {
   auto state = std::make_unique<haptics::State>();
-  memory.Recall(build, *state);
+  memory.RestoreState(build, *state);
   return state;
 }
 
 TEST(SceneMemory, FacesKeepTheirOffsetAndHeldOnesAreReleased) {
   const auto memory = std::make_unique<SceneMemory>();
-  memory->Keep(1, *Formed(0.008, haptics::ExtrudePhase::kFree));
-  memory->Keep(2, *Formed(0.007, haptics::ExtrudePhase::kHeld));
+  memory->SaveState(1, *Formed(0.008, haptics::ExtrudePhase::kFree));
+  memory->SaveState(2, *Formed(0.007, haptics::ExtrudePhase::kHeld));
   const haptics::RegionState rests = Recalled(*memory, 1)->regions[3];
   EXPECT_EQ(rests.phase, haptics::ExtrudePhase::kFree);
   EXPECT_EQ(rests.offset_m, 0.008);
@@ -54,7 +54,7 @@ TEST(SceneMemory, CarStopsAndKeepsItsLap) {
   state->vehicle.yaw_rate_rad_s = 2;
   state->vehicle.pulses[0].time_s = 0.01;
   state->vehicle.lap = {.running = true, .next = 2, .laps = 3, .time_s = 4.5, .best_s = 9};
-  memory->Keep(7, *state);
+  memory->SaveState(7, *state);
   const haptics::VehicleState car = Recalled(*memory, 7)->vehicle;
   EXPECT_TRUE(car.started);
   EXPECT_EQ(car.position_base_m.y, 0.02);
@@ -71,10 +71,10 @@ TEST(SceneMemory, CarStopsAndKeepsItsLap) {
 TEST(SceneMemory, ForgetsTheSceneThatWasLeftFirst) {
   const auto memory = std::make_unique<SceneMemory>();
   for (std::uint64_t build = 1; build <= kRememberedScenes; ++build) {
-    memory->Keep(build, *Formed(1e-3 * static_cast<double>(build), haptics::ExtrudePhase::kFree));
+    memory->SaveState(build, *Formed(1e-3 * static_cast<double>(build), haptics::ExtrudePhase::kFree));
   }
-  memory->Keep(1, *Formed(0.009, haptics::ExtrudePhase::kFree));  // kept again: now it is the newest
-  memory->Keep(50, *Formed(0.005, haptics::ExtrudePhase::kFree));
+  memory->SaveState(1, *Formed(0.009, haptics::ExtrudePhase::kFree));  // kept again: now it is the newest
+  memory->SaveState(50, *Formed(0.005, haptics::ExtrudePhase::kFree));
   EXPECT_EQ(Recalled(*memory, 1)->regions[3].offset_m, 0.009);
   EXPECT_EQ(Recalled(*memory, 2)->regions[3].offset_m, 0);
   EXPECT_EQ(Recalled(*memory, 3)->regions[3].offset_m, 0.003);
@@ -86,11 +86,11 @@ TEST(SceneMemory, IgnoresBuildZeroAndNeverAllocates) {
   const auto formed = Formed(0.004, haptics::ExtrudePhase::kFree);
   const auto state = std::make_unique<haptics::State>();
   const AllocProbe probe;
-  memory->Keep(0, *formed);
-  memory->Recall(0, *state);
+  memory->SaveState(0, *formed);
+  memory->RestoreState(0, *state);
   EXPECT_EQ(state->regions[3].offset_m, 0);
-  memory->Keep(1, *formed);
-  memory->Recall(1, *state);
+  memory->SaveState(1, *formed);
+  memory->RestoreState(1, *state);
   EXPECT_EQ(state->regions[3].offset_m, 0.004);
   EXPECT_EQ(probe.count(), 0U);
 }

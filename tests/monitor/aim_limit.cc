@@ -46,8 +46,8 @@ struct Press {
     contacts.count = asked_N > 0 ? 1 : 0;
     contacts.contacts[0].normal_base = {0, 0, 1};
     contacts.contacts[0].penetration_m = std::max(0.0, -z_m);
-    limit.Feel(tool, contacts, kTicksPerFeel * kTick_s);
-    aim = limit.Limited(asked);
+    limit.Update(tool, contacts, kTicksPerFeel * kTick_s);
+    aim = limit.LimitAim(asked);
   }
 };
 

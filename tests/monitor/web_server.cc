@@ -195,13 +195,13 @@ TEST_F(WebServerTest, MessagesArriveBothWaysInOrder) {
   ASSERT_EQ(client.Upgrade("/live", Host() + Origin() + Protocols()), "HTTP/1.1 101 Switching Protocols");
   ASSERT_TRUE(HearsPages(1));
   const PageId page = heard_.pages[0];
-  EXPECT_TRUE(server_->Idle(page));
+  EXPECT_TRUE(server_->IsIdle(page));
   client.SendFrame(1, "one");
   client.SendFrame(2, std::string(4000, 'b'));
   const auto large = std::make_shared<const std::string>(std::string(3 << 20, 'l'));
   server_->Send(page, std::make_shared<const std::string>("first"), false);
   server_->Send(page, large, true);
-  EXPECT_FALSE(server_->Idle(page));
+  EXPECT_FALSE(server_->IsIdle(page));
   const WebClient::Frame first = client.ReadFrame();
   EXPECT_EQ(first.opcode, 1U);
   EXPECT_EQ(first.payload, "first");
@@ -209,7 +209,7 @@ TEST_F(WebServerTest, MessagesArriveBothWaysInOrder) {
   EXPECT_EQ(second.opcode, 2U);
   EXPECT_TRUE(second.payload == *large);
   for (int i = 0; i < 1000 && heard_.binaries.empty(); ++i) server_->RunUntil(base::MonotonicNow_ns() + 1'000'000);
-  EXPECT_TRUE(server_->Idle(page));
+  EXPECT_TRUE(server_->IsIdle(page));
   EXPECT_EQ(heard_.texts, std::vector<std::string>{"one"});
   ASSERT_EQ(heard_.binaries.size(), 1U);
   EXPECT_EQ(heard_.binaries[0].size(), 4000U);

@@ -27,13 +27,15 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 // Where the base really stands, in STAGE.
-alignment::Rigid TrueBase() { return alignment::Nudged(alignment::LevelBase(), 0.4, {0.3, 0.75, -0.6}); }
+alignment::Rigid TrueBase() { return alignment::NudgedPose(alignment::LevelBase(), 0.4, {0.3, 0.75, -0.6}); }
 
 // The left controller's grip, line by line: swings about mark 1, then rests on each of the others.
 std::string TouchScript() {
   const Vector3d tip(0.02, -0.01, -0.11);
   const auto& marks = config::DefaultMarks();
-  const auto at = [&](std::size_t i) { return base::ToEigen(alignment::Apply(TrueBase(), marks[i].position_base_m)); };
+  const auto at = [&](std::size_t i) {
+    return base::ToEigen(alignment::TransformPoint(TrueBase(), marks[i].position_base_m));
+  };
   constexpr double kStart_s = 0.5, kSwing_s = 12, kMove_s = 0.8, kRest_s = 1.2, kStep_s = 0.02;
   std::string script;
   const double end_s = kSwing_s + static_cast<double>(marks.size() - 1) * (kMove_s + kRest_s);
@@ -49,8 +51,8 @@ std::string TouchScript() {
     const Vector3d w = swing * Vector3d(std::sin(2.1 * t), std::sin(1.7 * t + 1), std::sin(2.7 * t + 2));
     const Quaterniond q(Eigen::AngleAxisd(w.norm(), w.normalized()));
     const Vector3d c = p - q * tip;
-    script += tools::Printed("%.3f pose /user/hand/left/input/grip/pose %.6f %.6f %.6f %.7f %.7f %.7f %.7f\n",
-                             kStart_s + t, c.x(), c.y(), c.z(), q.x(), q.y(), q.z(), q.w());
+    script += tools::Format("%.3f pose /user/hand/left/input/grip/pose %.6f %.6f %.6f %.7f %.7f %.7f %.7f\n",
+                            kStart_s + t, c.x(), c.y(), c.z(), q.x(), q.y(), q.z(), q.w());
   }
   return script;
 }
@@ -61,28 +63,28 @@ Outcome OmniAlign(const ServiceProcess& service, std::vector<std::string> words)
   return RunOmni(words);
 }
 
-// The placement that an application on that headset receives.
-std::optional<protocol::BasePose> PlacementOf(const ServiceProcess& service, TestApplication& application) {
+// The base_pose that an application on that headset receives.
+std::optional<protocol::BasePose> BasePoseOf(const ServiceProcess& service, TestApplication& application) {
   protocol::BasePoseRequest request;
   protocol::SetField(request.headset.runtime, "Omni test runtime");
   protocol::SetField(request.headset.system, "Omni test system");
   request.space_count = 2;
   request.spaces = {protocol::kSpaceStage, protocol::kSpaceLocal};
   application.connection().RequestBasePose(request);
-  std::optional<protocol::BasePose> placement;
+  std::optional<protocol::BasePose> base_pose;
   application.Run(5000, 5, [&] {
-    placement = application.connection().PopBasePose();
-    return placement.has_value();
+    base_pose = application.connection().PopBasePose();
+    return base_pose.has_value();
   });
   (void)service;
-  return placement;
+  return base_pose;
 }
 
 bool AlignedFlag(TestApplication& application) {
   return application.Run(3000, 5, [&] {
     const auto state = application.connection().state();
     protocol::ToolSample sample;
-    return state != nullptr && state->Newest(sample) && (sample.flags & protocol::kToolAligned) != 0;
+    return state != nullptr && state->ReadNewest(sample) && (sample.flags & protocol::kToolAligned) != 0;
   });
 }
 
@@ -97,9 +99,9 @@ TEST(ProcessAlign, TouchAlignmentReachesApplicationsAndSurvivesRestart) {
   {
     TestApplication before(service);
     ASSERT_TRUE(before.Focus());
-    const auto placement = PlacementOf(service, before);
-    ASSERT_TRUE(placement);
-    EXPECT_EQ(placement->known, 0U);
+    const auto base_pose = BasePoseOf(service, before);
+    ASSERT_TRUE(base_pose);
+    EXPECT_EQ(base_pose->known, 0U);
   }
   const Outcome aligned =
       OmniAlign(service, {"touch", "--hand", "left", "--probe", build + "/bin/omni_align_probe", "--patience", "60"});
@@ -124,10 +126,10 @@ TEST(ProcessAlign, TouchAlignmentReachesApplicationsAndSurvivesRestart) {
     {
       TestApplication application(service);
       ASSERT_TRUE(application.Focus());
-      const auto placement = PlacementOf(service, application);
-      ASSERT_TRUE(placement);
-      EXPECT_EQ(placement->known, 1U);
-      EXPECT_EQ(placement->base_space.position_m[0], entry.position_space_m.x);
+      const auto base_pose = BasePoseOf(service, application);
+      ASSERT_TRUE(base_pose);
+      EXPECT_EQ(base_pose->known, 1U);
+      EXPECT_EQ(base_pose->base_space.position_m[0], entry.position_space_m.x);
       EXPECT_TRUE(AlignedFlag(application));
     }
     ASSERT_EQ(service.Stop(), 0);
@@ -162,13 +164,13 @@ TEST(ProcessAlign, FaultyApplicationOnlyMarksAlignmentDoubtful) {
   TestApplication application(service);
   ASSERT_TRUE(application.Focus());
   ASSERT_NO_FATAL_FAILURE(StoreInStage(service));
-  auto placement = PlacementOf(service, application);
-  ASSERT_TRUE(placement);
-  EXPECT_EQ(placement->known, 1U) << "of another build of the runtime";
+  auto base_pose = BasePoseOf(service, application);
+  ASSERT_TRUE(base_pose);
+  EXPECT_EQ(base_pose->known, 1U) << "of another build of the runtime";
   const auto taken = [&](std::uint32_t doubtful) {
     return application.Run(5000, 5, [&] {
-      if (const auto newer = application.connection().PopBasePose()) placement = newer;
-      return placement->doubtful == doubtful;
+      if (const auto newer = application.connection().PopBasePose()) base_pose = newer;
+      return base_pose->doubtful == doubtful;
     });
   };
   for (int i = 0; i < 5; ++i) {
@@ -180,7 +182,7 @@ TEST(ProcessAlign, FaultyApplicationOnlyMarksAlignmentDoubtful) {
     ASSERT_TRUE(application.connection().Send(change));
   }
   EXPECT_TRUE(taken(1)) << "it hears that the alignment is in doubt";
-  EXPECT_EQ(placement->base_space.position_m[0], TrueBase().position_m.x);
+  EXPECT_EQ(base_pose->base_space.position_m[0], TrueBase().position_m.x);
   const Outcome shown = OmniAlign(service, {"--show"});
   EXPECT_NE(shown.out.find("DOUBTFUL"), std::string::npos) << shown.out;
   const Outcome restored = OmniAlign(service, {"--restore"});

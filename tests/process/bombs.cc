@@ -51,7 +51,7 @@ TEST(ProcessBombs, RejectsEachMaliciousSceneAndKeepsServing) {
     // A few are valid glTF: they load without any notice.
     bomb.Run(3000, 5, [&] {
       app.connection().Poll(base::MonotonicNow_ns());
-      app.connection().Beat();
+      app.connection().SignalAlive();
       return !bomb.connection().PopNotices().empty();
     });
     ASSERT_TRUE(bomb.connection().connected()) << kSceneBombs[i].name;

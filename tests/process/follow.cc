@@ -26,17 +26,17 @@ constexpr double kTurn_rad_s = 1.5708;
 const base::Vec3 kVelocity_m_s{0.3, 0, 0.4};
 
 // In STAGE, while both rest.
-Rigid BaseAtRest() { return alignment::Nudged(alignment::LevelBase(), 0.4, {0.3, 0.75, -0.6}); }
+Rigid BaseAtRest() { return alignment::NudgedPose(alignment::LevelBase(), 0.4, {0.3, 0.75, -0.6}); }
 Rigid ControllerAtRest() { return {.orientation = {0.6, 0, 0.8, 0}, .position_m = {0.2, 0.9, -0.5}}; }
 
 // Rests for 10 s from the start of the session, moves for 3 s, and is lost.
 std::string Script() {
   const Rigid C = ControllerAtRest();
-  const std::string pose = tools::Printed("pose /user/hand/left/input/grip/pose %.6f %.6f %.6f %.7f %.7f %.7f %.7f",
-                                          C.position_m.x, C.position_m.y, C.position_m.z, C.orientation.x,
-                                          C.orientation.y, C.orientation.z, C.orientation.w);
+  const std::string pose =
+      tools::Format("pose /user/hand/left/input/grip/pose %.6f %.6f %.6f %.7f %.7f %.7f %.7f", C.position_m.x,
+                    C.position_m.y, C.position_m.z, C.orientation.x, C.orientation.y, C.orientation.z, C.orientation.w);
   return "0 " + pose + "\n10 " + pose +
-         tools::Printed(" %.3f %.3f %.3f 0 %.6f 0\n", kVelocity_m_s.x, kVelocity_m_s.y, kVelocity_m_s.z, kTurn_rad_s) +
+         tools::Format(" %.3f %.3f %.3f 0 %.6f 0\n", kVelocity_m_s.x, kVelocity_m_s.y, kVelocity_m_s.z, kTurn_rad_s) +
          "13 tracking left 0 0\n";
 }
 
@@ -78,7 +78,7 @@ class Watcher {
   bool Until(Wanted wanted) {
     return application_.Run(kPatience_ms, 2, [&] {
       const auto state = application_.connection().state();
-      return state != nullptr && state->Newest(sample) && wanted(sample);
+      return state != nullptr && state->ReadNewest(sample) && wanted(sample);
     });
   }
   protocol::BaseSample sample;

@@ -58,7 +58,7 @@ TEST(ProcessHand, AimsMoveThePenWhichThenStays) {
   const auto tip_x_mm = [&] {
     const auto state = app.connection().state();
     protocol::ToolSample sample;
-    const bool seen = state != nullptr && state->Newest(sample) && (sample.flags & protocol::kToolTracked) != 0;
+    const bool seen = state != nullptr && state->ReadNewest(sample) && (sample.flags & protocol::kToolTracked) != 0;
     return seen ? 1e3 * sample.position_base_m[0] : std::nan("");
   };
   ASSERT_TRUE(app.Run(10'000, 5, [&] { return hand.Connect() && std::abs(tip_x_mm()) < 5; })) << hand.problem();

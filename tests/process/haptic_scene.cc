@@ -75,7 +75,7 @@ class SceneApplication : public TestApplication {
   protocol::ContactSnapshot Contacts() {
     protocol::ContactSnapshot contacts;
     const auto reader = connection().state();
-    if (reader != nullptr) reader->Contacts(contacts);
+    if (reader != nullptr) reader->ReadContacts(contacts);
     return contacts;
   }
   bool Touches(std::uint32_t object) {
@@ -238,7 +238,7 @@ TEST(ProcessHapticScene, FocusSwitchesScenesAndExitFreesThem) {
     ASSERT_TRUE(second.WaitStatus(protocol::HapticSceneStatus::kReady)) << second.text;
     ASSERT_TRUE(second.Run(3000, 5, [&] {
       first.connection().Poll(base::MonotonicNow_ns());
-      first.connection().Beat();
+      first.connection().SignalAlive();
       first.Take();
       return second.Touches(0) && first.state.generation == 0;
     }));

@@ -126,11 +126,11 @@ TEST(ProcessSafety, LastFocusedApplicationOwnsForceOthersStillGetPoses) {
   ASSERT_TRUE(first.WaitForForce(kPushing_N));
   ASSERT_TRUE(second.Focus());
   EXPECT_TRUE(second.Run(3000, 5, [&] {
-    first.connection().Beat();
+    first.connection().SignalAlive();
     return second.Force_N() == 0;
   })) << "the new owner has no scene: nothing is rendered";
   protocol::ToolSample sample;
-  ASSERT_TRUE(first.connection().state()->Newest(sample));
+  ASSERT_TRUE(first.connection().state()->ReadNewest(sample));
   EXPECT_TRUE(sample.flags & protocol::kToolPoseValid);
   ASSERT_TRUE(second.connection().SendSession(protocol::SessionState::kNone));
   EXPECT_TRUE(first.WaitForForce(kPushing_N)) << "the first one still is focused: it gets the force back";
@@ -159,7 +159,7 @@ TEST(ProcessSafety, FullDiskDoesNotStopTheService) {
   ASSERT_TRUE(app.Focus());
   protocol::ToolSample sample;
   const auto newest_ns = [&] {
-    return app.connection().state() != nullptr && app.connection().state()->Newest(sample) ? sample.t_ns : 0;
+    return app.connection().state() != nullptr && app.connection().state()->ReadNewest(sample) ? sample.t_ns : 0;
   };
   app.Run(1000, 5);
   const std::int64_t before_ns = newest_ns();

@@ -29,7 +29,8 @@ TEST(ProcessTelemetry, EveryTickIsOneRow) {
   ASSERT_TRUE(table.ok()) << table.error();
   ASSERT_GT(table->rows(), 10U);
   EXPECT_NE(said.out.find(": " + std::to_string(table->rows()) + " ticks, "), std::string::npos) << said.out;
-  for (const monitor::Channel& channel : monitor::Channels()) EXPECT_TRUE(table->Has(channel.name)) << channel.name;
+  for (const monitor::Channel& channel : monitor::Channels())
+    EXPECT_TRUE(table->HasColumn(channel.name)) << channel.name;
   const std::vector<double>& t_s = (*table)["time_s"];
   EXPECT_EQ(t_s.front(), 0);
   EXPECT_EQ(std::adjacent_find(t_s.begin(), t_s.end(), std::greater_equal<>()), t_s.end());

@@ -145,7 +145,7 @@ TEST(Validate, AcceptsDefaultMessages) {
   EXPECT_TRUE(std::holds_alternative<SceneAnswer>(Check(SceneReply{})));
 }
 
-TEST(Validate, RejectsPlacementsOutOfRange) {
+TEST(Validate, RejectsBasePosesOutOfRange) {
   const auto refused = [](auto message, auto change, const char* why) {
     EXPECT_EQ(ReasonFor(message), "accepted");
     change(message);

@@ -48,8 +48,8 @@ std::vector<Bytes> Seeds() {
   Surfaces surfaces;
   surfaces.total_bytes = 4096;
   surfaces.memory_generation = 3;
-  BasePoseRequest placement_request;
-  placement_request.space_count = 2;
+  BasePoseRequest base_pose_request;
+  base_pose_request.space_count = 2;
   MessageHeader reply;
   reply.type = MessageType::kStatusReply;
   reply.size = sizeof(reply);
@@ -90,7 +90,7 @@ std::vector<Bytes> Seeds() {
           BytesOf(EmergencyStop{}),
           BytesOf(surfaces),
           BytesOf(AppSettings{}),
-          BytesOf(placement_request),
+          BytesOf(base_pose_request),
           BytesOf(BasePose{}),
           BytesOf(SpaceChange{}),
           BytesOf(BasePoseCommand{}),
@@ -148,10 +148,10 @@ struct Contract {
     EXPECT_TRUE(request.space_count >= 1 && request.space_count <= kMaxSpaceTypes);
     EXPECT_TRUE(IsTerminated(request.headset.runtime) && IsTerminated(request.headset.system));
   }
-  void operator()(const BasePose& placement) const {
-    ExpectPose(placement.base_space);
-    EXPECT_TRUE(placement.expected_error_m >= 0 && placement.rotation_sigma_rad >= 0);
-    EXPECT_LE(placement.uncalibrated, Uncalibrated::kOff);
+  void operator()(const BasePose& base_pose) const {
+    ExpectPose(base_pose.base_space);
+    EXPECT_TRUE(base_pose.expected_error_m >= 0 && base_pose.rotation_sigma_rad >= 0);
+    EXPECT_LE(base_pose.uncalibrated, Uncalibrated::kOff);
   }
   void operator()(const SpaceChange& change) const {
     if (change.pose_valid == 1) ExpectPose(change.new_in_previous);
@@ -166,7 +166,7 @@ struct Contract {
     ExpectPose(motion.base_space);
     EXPECT_LE(motion.state, BaseState::kStands);
     EXPECT_TRUE(motion.t_ns >= 0 && IsTerminated(motion.headset.runtime) && IsTerminated(motion.headset.system));
-    EXPECT_TRUE(Within(motion.linear_velocity_m_s) && Within(motion.angular_velocity_rad_s));
+    EXPECT_TRUE(IsWithin(motion.linear_velocity_m_s) && IsWithin(motion.angular_velocity_rad_s));
   }
   void operator()(const BasePoseReply& reply) const { EXPECT_TRUE(IsTerminated(reply.text) && reply.done <= 1); }
   void operator()(const ShapedHaptic& haptic) const {
@@ -181,13 +181,13 @@ struct Contract {
     EXPECT_EQ(answer.text.size(), size - sizeof(SceneReply));
     EXPECT_TRUE(answer.reply.done == 1 || answer.reply.file_bytes == 0);
   }
-  static bool Within(const std::array<double, 3>& v) {
+  static bool IsWithin(const std::array<double, 3>& v) {
     return std::all_of(v.begin(), v.end(), [](double x) { return std::abs(x) <= 1e3; });
   }
   static void Check(const ScenePose& pose) {
     const auto& q = pose.rotation_wxyz;
     EXPECT_NEAR(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1, 0.02);
-    EXPECT_TRUE(Within(pose.position_m) && Within(pose.velocity_m_s) && Within(pose.angular_velocity_rad_s));
+    EXPECT_TRUE(IsWithin(pose.position_m) && IsWithin(pose.velocity_m_s) && IsWithin(pose.angular_velocity_rad_s));
   }
   void operator()(const HapticSceneLoad& load) const {
     EXPECT_TRUE(load.number != 0 && load.bytes >= 1 && load.bytes <= kMaxHapticSceneBytes);

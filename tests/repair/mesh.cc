@@ -356,7 +356,7 @@ TEST(RepairMesh, WindingTreeIgnoresDegenerateTriangles) {
     const Vec3 p = random.InBox(0.04);
     ASSERT_NEAR(spoilt.At(p), whole.At(p), 0.03) << i;
     if (std::abs(whole.At(p) - 0.5) > 0.1) {
-      ASSERT_EQ(spoilt.Inside(p), whole.Inside(p)) << i;
+      ASSERT_EQ(spoilt.IsInside(p), whole.IsInside(p)) << i;
     }
   }
   EXPECT_EQ(WindingTree(std::span<const Vec3>(), {}).At({0, 0, 0}), 0);
@@ -378,7 +378,7 @@ TEST(RepairMesh, KeepsPerTriangleDataThroughEveryRepair) {
   RepairCounts counts;
   Mesh mesh = RepairMesh(object, counts);
   const TopologyReport report = ConnectAndOrient(mesh);
-  EXPECT_TRUE(report.Closed());
+  EXPECT_TRUE(report.IsClosed());
   EXPECT_GT(report.snapped, 0U);
   EXPECT_EQ(report.closed_holes, 1U);
   ASSERT_EQ(mesh.uv[0].size(), mesh.triangles.size());

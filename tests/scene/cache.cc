@@ -39,17 +39,17 @@ std::string OnlyFile(const std::string& folder) {
 std::span<const std::byte> AsBytes(const std::string& text) { return std::as_bytes(std::span(text)); }
 
 TEST(SceneCache, DigestMatchesFips180Vectors) {  // vectors of FIPS 180-4's examples
-  EXPECT_EQ(Hex(Sha256().Finish()), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(ToHex(Sha256().Finish()), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   Sha256 abc;
   abc.Add(AsBytes("abc"));
-  EXPECT_EQ(Hex(abc.Finish()), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(ToHex(abc.Finish()), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   Sha256 two;
   two.Add(AsBytes("abcdbcdecdefdefgefghfghighij"));
   two.Add(AsBytes("hijkijkljklmklmnlmnomnopnopq"));
-  EXPECT_EQ(Hex(two.Finish()), "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  EXPECT_EQ(ToHex(two.Finish()), "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
   Sha256 million;
   for (int i = 0; i < 1000; ++i) million.Add(AsBytes(std::string(1000, 'a')));
-  EXPECT_EQ(Hex(million.Finish()), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+  EXPECT_EQ(ToHex(million.Finish()), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
 TEST(SceneCache, ReturnsStoredBlocks) {
@@ -69,7 +69,7 @@ TEST(SceneCache, ReturnsStoredBlocks) {
     EXPECT_EQ(*got, BlockOf(bytes, 3));
     EXPECT_FALSE(store.Get(Key(2), damage));
   }
-  EXPECT_EQ(store.Use().files, 1U) << "no unfinished file stays";
+  EXPECT_EQ(store.Usage().files, 1U) << "no unfinished file stays";
   EXPECT_EQ(CacheStore(store.folder()).Clear().files, 1U);
   EXPECT_FALSE(store.Get(Key(1), damage));
 }
@@ -117,7 +117,7 @@ TEST(SceneCache, EvictsLeastRecentlyUsedFirst) {
   EXPECT_FALSE(store.Get(Key(2), damage));
   EXPECT_TRUE(store.Get(Key(3), damage));
   EXPECT_TRUE(store.Get(Key(4), damage));
-  EXPECT_LE(store.Use().bytes, 3500U);
+  EXPECT_LE(store.Usage().bytes, 3500U);
   EXPECT_FALSE(store.Put(Key(5), BlockOf(4000, 5))) << "larger than the store";
   EXPECT_TRUE(store.Get(Key(4), damage));
 }
@@ -240,7 +240,7 @@ TEST(SceneCache, SmallScenesAreNotCached) {
   CacheStore cache(folder.Path("omni"));
   const LoadedByCache loaded = LoadBy(cache, folder.Write("small.glb", Tetra().Bytes()), kTouchAll);
   EXPECT_NE(loaded.load.cache.find("below 5000"), std::string::npos) << loaded.load.cache;
-  EXPECT_EQ(cache.Use().files, 0U);
+  EXPECT_EQ(cache.Usage().files, 0U);
 }
 
 TEST(SceneCache, DamagedEntryIsRebuiltAndReported) {

@@ -186,7 +186,7 @@ void ExpectSoundForces(const haptics::Scene& scene, Damage& damage) {
   input.limit.force_max_N = 2;
   haptics::State state;
   haptics::Output output;
-  haptics::Enter(scene, state);
+  haptics::EnterScene(scene, state);
   for (int i = 0; i < 60; ++i) {
     const auto somewhere = [&] { return 0.06 * static_cast<double>(damage.Below(1000)) / 1000 - 0.03; };
     input.device_point_base_m = {somewhere(), somewhere(), 0.03 + somewhere()};

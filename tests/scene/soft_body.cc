@@ -37,7 +37,7 @@ TEST(SoftBodyCache, SecondLoadIsReadFromTheCache) {
   ASSERT_TRUE(built.ok()) << built.error();
   EXPECT_FALSE(first.cached);
   EXPECT_GT(first.build.tets, 0U);
-  EXPECT_EQ(cache.Use().files, 1U);
+  EXPECT_EQ(cache.Usage().files, 1U);
   const auto read = LoadSoftBody(Ball(), Coarse(), &cache, second);
   ASSERT_TRUE(read.ok());
   EXPECT_TRUE(second.cached) << second.cache;
@@ -50,7 +50,7 @@ TEST(SoftBodyCache, SecondLoadIsReadFromTheCache) {
   EXPECT_FALSE(other.cached);
   ASSERT_TRUE(LoadSoftBody(Ball(0.021), Coarse(), &cache, other).ok());
   EXPECT_FALSE(other.cached);
-  EXPECT_EQ(cache.Use().files, 3U);
+  EXPECT_EQ(cache.Usage().files, 3U);
 }
 
 TEST(SoftBodyCache, DamagedEntryIsRebuilt) {
@@ -80,7 +80,7 @@ TEST(SoftBodyCache, CancelledBuildLeavesNoEntry) {
     const auto body = LoadSoftBody(Ball(), options, &cache, report);
     ASSERT_FALSE(body.ok());
     EXPECT_NE(body.error().find("cancelled"), std::string::npos);
-    EXPECT_EQ(cache.Use().files, 0U);
+    EXPECT_EQ(cache.Usage().files, 0U);
   }
   ASSERT_TRUE(LoadSoftBody(Ball(), Coarse(), &cache, report).ok()) << "done again next time";
 }

@@ -296,10 +296,10 @@ TEST(SculptParametersTest, BadInputGivesFiniteForceWithoutAllocation) {
       input.touch = {k % 1000 > 10, 0, {1, 0, 0}, {}, {0, 0, 1}, 0.6};
     }
     KeptFeature feature{0, {}, {any(), any(), any()}, {any(), any(), any()}};
-    Rebind(surface, any(), feature);
+    RebindFeature(surface, any(), feature);
     CrossingInTree(surface, 0, input.tip_base_m, {any(), any(), any()}, false);
     const SculptToolOutput out = StepSculptTool({}, input, state, *ring);
-    finite = finite && Within(out.force_N, 1e3) && out.contact_share >= 0 && out.contact_share <= 1;
+    finite = finite && IsWithin(out.force_N, 1e3) && out.contact_share >= 0 && out.contact_share <= 1;
     largest_N = std::max(largest_N, Norm(out.force_N));
     StrokeMessage message;
     while (ring->TryPop(message)) {

@@ -24,8 +24,8 @@ TEST(SimCoilBank, CurrentLagsByLOverR) {
 // One coil at 5 A: its copper settles at 65.4 C, the body at 47 C. (y coil, air 24 C.)
 TEST(SimCoilBank, WarmsUpAsMeasured) {
   CoilBank coils(support::NominalDevice(), ThermalConfig{});
-  coils.Set({0, 5, 0});
-  for (int i = 0; i < 90000; ++i) coils.Heat(10e-3);
+  coils.SetCurrents({0, 5, 0});
+  for (int i = 0; i < 90000; ++i) coils.StepHeat(10e-3);
   EXPECT_NEAR(coils.temperature_C()[1], 65.4, 1.0);
   EXPECT_NEAR(coils.temperature_C()[0], 47.0, 1.0) << "an idle coil takes the body's temperature";
 }

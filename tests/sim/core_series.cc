@@ -63,7 +63,7 @@ Charges ImagesOf(const Charges& charges, double kappa) {
   const CoreImages core(kCore_m, kappa);
   Charges images;
   images.Resize(core.image_count(charges.size()));
-  core.Place(charges, images);
+  core.PlaceImages(charges, images);
   return images;
 }
 
@@ -164,8 +164,8 @@ TEST(SimCoreSeries, SensorFieldsAreConverged) {
   double worst = 0;
   for (int i = 0; i < 100; ++i) {
     const MagnetPose pose = rig.DrawPose({.radius_max_m = 0.06, .tilt_max_rad = 3.1}, random);
-    faces.Place(pose, magnet);
-    core.Place(magnet, images);
+    faces.PlaceCharges(pose, magnet);
+    core.PlaceImages(magnet, images);
     const SensorFields fields = rig.Readings(&pose, {});
     for (std::size_t s = 0; s < fields.size(); ++s) {
       const Vec3& at = device.sensors[s].position_base_m;

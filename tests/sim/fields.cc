@@ -25,7 +25,7 @@ Charges Magnet(const base::DeviceGeometry& device, const MagnetPose& pose, int r
   const MagnetFaces faces(device.magnet, rings, spokes);
   Charges charges;
   charges.Resize(faces.charge_count());
-  faces.Place(pose, charges);
+  faces.PlaceCharges(pose, charges);
   return charges;
 }
 
@@ -33,7 +33,7 @@ Charges Images(const base::DeviceGeometry& device, const Charges& magnet) {
   const CoreImages core(device.core_radius_m, device.core_kappa);
   Charges images;
   images.Resize(core.image_count(magnet.size()));
-  core.Place(magnet, images);
+  core.PlaceImages(magnet, images);
   return images;
 }
 

@@ -68,8 +68,8 @@ TEST(SimFieldsProperty, MagnetAndCoilFieldsAreDivergenceAndCurlFree) {
   images.Resize(core.image_count(charges.size()));
   Random random(11);
   for (int i = 0; i < 40; ++i) {
-    faces.Place(RandomPose(random, device), charges);
-    core.Place(charges, images);
+    faces.PlaceCharges(RandomPose(random, device), charges);
+    core.PlaceImages(charges, images);
     const Vec3 p = random.Uniform(0.09, 0.13) * -1.0 * Vec3{0, 0, 1} + random.NormalVector(0.03);
     const std::array<Field, 3> fields{[&](const Vec3& x) { return FieldOf(charges, x) + FieldOf(images, x); },
                                       [&](const Vec3& x) { return truth.coils()[i % 3].FieldByTurns(x); },
@@ -94,8 +94,8 @@ double EnergyInCoil(const base::DeviceGeometry& device, const CoilTruth& coil, c
     const MagnetFaces faces(slice, 5, 12);
     Charges nodes;
     nodes.Resize(faces.charge_count());
-    faces.Place({pose.centre_base_m + (kPosition[s] * device.magnet.half_height_m) * pose.axis_base, pose.axis_base},
-                nodes);
+    faces.PlaceCharges(
+        {pose.centre_base_m + (kPosition[s] * device.magnet.half_height_m) * pose.axis_base, pose.axis_base}, nodes);
     for (std::size_t i = 0; i < nodes.size() / 2; ++i) {
       sum -= nodes.q[i] * kWeight[s] * device.magnet.half_height_m *
              Dot(pose.axis_base, coil.FieldBySeries(nodes.position(i)));
@@ -109,11 +109,11 @@ double EnergyInCore(const base::DeviceGeometry& device, const MagnetPose& pose) 
   const MagnetFaces faces(device.magnet, 4, 10);
   Charges charges;
   charges.Resize(faces.charge_count());
-  faces.Place(pose, charges);
+  faces.PlaceCharges(pose, charges);
   const CoreImages core(device.core_radius_m, device.core_kappa);
   Charges images;
   images.Resize(core.image_count(charges.size()));
-  core.Place(charges, images);
+  core.PlaceImages(charges, images);
   double sum = 0;
   for (std::size_t i = 0; i < charges.size(); ++i) {
     for (std::size_t j = 0; j < images.size(); ++j) {

@@ -36,7 +36,7 @@ TEST(SimHand, FollowsItsPathWithoutForces) {
   double worst_m = 0;
   for (int i = 0; i < 8000; ++i) {
     hand.Step(i * kStep_s, kStep_s, {});
-    worst_m = std::max(worst_m, Norm(hand.pose().centre_base_m - path.At((i + 1) * kStep_s).centre_base_m));
+    worst_m = std::max(worst_m, Norm(hand.pose().centre_base_m - path.TargetAt((i + 1) * kStep_s).centre_base_m));
   }
   EXPECT_LT(worst_m, 2e-3);
   EXPECT_NEAR(script.duration_s(), 1.3, 1e-12);
@@ -53,9 +53,9 @@ TEST(SimHand, PathVelocityIsTheDerivativeOfPosition) {
   for (int step = 0; step < 126; ++step) {
     const double t = 0.013 + 0.0317 * step;
     const double h = 1e-6;
-    const Vec3 slope = (1 / (2 * h)) * (path.At(t + h).centre_base_m - path.At(t - h).centre_base_m);
-    EXPECT_LT(Norm(slope - path.At(t).velocity_base_m_s), 1e-5 + 1e-4 * Norm(slope)) << t;
-    EXPECT_NEAR(Norm(path.At(t).axis_base), 1, 1e-12);
+    const Vec3 slope = (1 / (2 * h)) * (path.TargetAt(t + h).centre_base_m - path.TargetAt(t - h).centre_base_m);
+    EXPECT_LT(Norm(slope - path.TargetAt(t).velocity_base_m_s), 1e-5 + 1e-4 * Norm(slope)) << t;
+    EXPECT_NEAR(Norm(path.TargetAt(t).axis_base), 1, 1e-12);
   }
 }
 
@@ -64,9 +64,9 @@ TEST(SimHand, RepeatingPathClosesSmoothly) {
   HandScript script = Tour();
   script.repeat = true;
   const HandPath path(script, 0.005, random);
-  EXPECT_LT(Norm(path.At(0).centre_base_m - path.At(2.3).centre_base_m), 1e-9);
-  EXPECT_LT(Norm(path.At(0.7).centre_base_m - path.At(0.7 + 2 * 2.3).centre_base_m), 1e-9);
-  EXPECT_LT(Norm(path.At(2.3 - 1e-6).centre_base_m - path.At(2.3).centre_base_m), 1e-6);
+  EXPECT_LT(Norm(path.TargetAt(0).centre_base_m - path.TargetAt(2.3).centre_base_m), 1e-9);
+  EXPECT_LT(Norm(path.TargetAt(0.7).centre_base_m - path.TargetAt(0.7 + 2 * 2.3).centre_base_m), 1e-9);
+  EXPECT_LT(Norm(path.TargetAt(2.3 - 1e-6).centre_base_m - path.TargetAt(2.3).centre_base_m), 1e-6);
 }
 
 TEST(SimHand, TremorHasTheConfiguredRms) {
@@ -77,7 +77,7 @@ TEST(SimHand, TremorHasTheConfiguredRms) {
   double sum = 0;
   const int count = 40000;
   for (int i = 0; i < count; ++i) {
-    const Vec3 off = path.At(i * 1e-3).centre_base_m - Vec3{0, 0, 0.065};
+    const Vec3 off = path.TargetAt(i * 1e-3).centre_base_m - Vec3{0, 0, 0.065};
     sum += Dot(off, off);
   }
   EXPECT_NEAR(std::sqrt(sum / count), 1e-3, 5e-5);
@@ -104,8 +104,8 @@ TEST(SimHand, OppositeAxesTurnThroughAPerpendicular) {
   HandScript script;
   script.waypoints = {{0, {0, 0, 0.08}, {0, 0, -1}, true}, {1, {0, 0, 0.08}, {0, 0, 1}, true}};
   const HandPath path(script, 0.005, random);
-  EXPECT_NEAR(path.At(0.5).axis_base.z, 0, 1e-9);
-  EXPECT_NEAR(path.At(1).axis_base.z, 1, 1e-9);
+  EXPECT_NEAR(path.TargetAt(0.5).axis_base.z, 0, 1e-9);
+  EXPECT_NEAR(path.TargetAt(1).axis_base.z, 1, 1e-9);
 }
 
 // Pushed at the base from everywhere, with every tilt: the disc stays outside, whatever the forces.
@@ -125,7 +125,7 @@ TEST(SimHand, NeverEntersTheHull) {
     hand.Step(i * kStep_s, kStep_s, random.NormalVector(5));
     ASSERT_GE(hand.gap_m(), 0) << i;
     ASSERT_TRUE(std::isfinite(Norm(hand.velocity_base_m_s()))) << i;
-    const MagnetPose predicted = hand.Predicted((i + 1) * kStep_s + 0.5e-3);
+    const MagnetPose predicted = hand.PredictedPose((i + 1) * kStep_s + 0.5e-3);
     ASSERT_GE(GapToHull(device.magnet, device.hull_radius_m, predicted).gap_m, -1e-9) << i;
   }
 }

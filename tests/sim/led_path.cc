@@ -24,7 +24,7 @@ Vec3 TipOf(const HandTarget& target) { return target.centre_base_m + kTipOffset_
 TEST(LedPath, ReachesItsAimWithoutOvershoot) {
   for (const double way_m : {0.0005, 0.01, 0.1, 0.5}) {
     LedPath path = At({0, 0, 0.06});
-    path.Aim({.tip_base_m = {way_m, 0, 0.06}});
+    path.SetAim({.tip_base_m = {way_m, 0, 0.06}});
     Vec3 last_m_s;
     for (int i = 0; i < 12000; ++i) {
       path.Step(kStep_s);
@@ -40,7 +40,7 @@ TEST(LedPath, ReachesItsAimWithoutOvershoot) {
 
 TEST(LedPath, VelocityIsTheDerivativeOfPosition) {
   LedPath path = At({0, 0, 0.06});
-  path.Aim({.tip_base_m = {0.03, -0.02, 0.05}, .axis_base = Normalized(Vec3{0.4, 0.1, -1})});
+  path.SetAim({.tip_base_m = {0.03, -0.02, 0.05}, .axis_base = Normalized(Vec3{0.4, 0.1, -1})});
   Vec3 before = path.Target().centre_base_m;
   for (int i = 0; i < 2000; ++i) {
     path.Step(kStep_s);
@@ -55,7 +55,7 @@ TEST(LedPath, VelocityIsTheDerivativeOfPosition) {
 
 TEST(LedPath, HoldsItsPositionWithoutANewAim) {
   LedPath path = At({0, 0, 0.06});
-  path.Aim({.tip_base_m = {0.01, 0, 0.055}});
+  path.SetAim({.tip_base_m = {0.01, 0, 0.055}});
   for (int i = 0; i < 4000; ++i) path.Step(kStep_s);
   for (int i = 0; i < 40000; ++i) {
     path.Step(kStep_s);
@@ -66,10 +66,10 @@ TEST(LedPath, HoldsItsPositionWithoutANewAim) {
 // Taken away and brought again: it comes from above, wherever it was aimed at meanwhile, and arrives.
 TEST(LedPath, ReturningPenComesDownFromAbove) {
   LedPath path = At({0.02, 0, 0.06});
-  path.Aim({.tip_base_m = {0, 0, 0}, .present = false});
+  path.SetAim({.tip_base_m = {0, 0, 0}, .present = false});
   for (int i = 0; i < 2000; ++i) path.Step(1e-3);
   const Vec3 aim{0.01, -0.01, 0.07};
-  path.Aim({.tip_base_m = aim});
+  path.SetAim({.tip_base_m = aim});
   double lowest_m = 1;
   for (int i = 0; i < 2000; ++i) {
     const HandTarget target = path.Target();
@@ -84,7 +84,7 @@ TEST(LedPath, ReturningPenComesDownFromAbove) {
 
 TEST(LedPath, OppositeAxesTurnThroughAPerpendicular) {
   LedPath path = At({0, 0, 0.09});
-  path.Aim({.tip_base_m = {0, 0, 0.09}, .axis_base = {0, 0, 1}});
+  path.SetAim({.tip_base_m = {0, 0, 0.09}, .axis_base = {0, 0, 1}});
   for (int i = 0; i < 8000; ++i) {
     path.Step(kStep_s);
     ASSERT_NEAR(Norm(path.Target().axis_base), 1, 1e-12);
@@ -112,7 +112,7 @@ TEST(LedHand, KeepsItsStiffnessAndTremor) {
   const base::DeviceGeometry device = support::NominalDevice();
   Random random(2);
   Hand hand(Tour(), device, random, true);
-  hand.Aim({.tip_base_m = {0.01, 0, 0.06}});
+  hand.SetAim({.tip_base_m = {0.01, 0, 0.06}});
   const Vec3 force{0, 0, 0.6};
   double least_m = 1, most_m = -1;
   for (int i = 0; i < 16000; ++i) {
@@ -131,7 +131,7 @@ TEST(LedHand, NeverEntersTheHullForAnyAim) {
   Hand hand(Tour(), device, random, true);
   for (int i = 0; i < 40000; ++i) {
     if (i % 400 == 0)
-      hand.Aim({.tip_base_m = random.NormalVector(0.03), .axis_base = Normalized(random.NormalVector(1))});
+      hand.SetAim({.tip_base_m = random.NormalVector(0.03), .axis_base = Normalized(random.NormalVector(1))});
     hand.Step(i * kStep_s, kStep_s, random.NormalVector(2));
     ASSERT_GE(hand.gap_m(), 0) << i;
     ASSERT_TRUE(std::isfinite(Norm(hand.velocity_base_m_s()))) << i;
@@ -143,10 +143,10 @@ TEST(LedHand, TakesThePenAwayAndBringsItBack) {
   Random random(4);
   Hand hand(Tour(), device, random, true);
   EXPECT_TRUE(hand.present());
-  hand.Aim({.tip_base_m = {0, 0, 0.2}, .present = false});
+  hand.SetAim({.tip_base_m = {0, 0, 0.2}, .present = false});
   hand.Step(0, kStep_s, {});
   EXPECT_FALSE(hand.present());
-  hand.Aim({.tip_base_m = {0, 0, 0.06}});
+  hand.SetAim({.tip_base_m = {0, 0, 0.06}});
   hand.Step(kStep_s, kStep_s, {});
   EXPECT_TRUE(hand.present());
 }

@@ -85,7 +85,7 @@ TEST(SimSteel, BallMatchesASphereInTheFarField) {
   const CoreImages sphere(kRadius_m, 1);
   Charges images;
   images.Resize(sphere.image_count(2));
-  sphere.Place(charges, images);
+  sphere.PlaceImages(charges, images);
   for (const Vec3& p : {Vec3{0, 0, 0.02}, Vec3{-0.03, 0.08, 0}, Vec3{0.2, 0.2, 0.1}}) {
     const Vec3 exact_T = FieldOf(images, p - centre_m);
     EXPECT_LT(Norm(SteelPiece::Answer(ball, OfDipole).At(p) - exact_T), 0.03 * Norm(exact_T));
@@ -220,8 +220,8 @@ TEST(SimRoom, MainsHasConfiguredHarmonicsAndOneDirection) {
     for (int i = 0; i < kSteps; ++i) {
       const double t_s = 0.02 * i / kSteps;
       const double angle = 2 * kPi * 50 * static_cast<double>(order) * t_s;
-      sine += (2 * std::sin(angle) / kSteps) * environment.Mains(t_s);
-      cosine += (2 * std::cos(angle) / kSteps) * environment.Mains(t_s);
+      sine += (2 * std::sin(angle) / kSteps) * environment.MainsField(t_s);
+      cosine += (2 * std::cos(angle) / kSteps) * environment.MainsField(t_s);
     }
     amplitude_T[order] = std::hypot(Norm(sine), Norm(cosine));
   }
@@ -229,7 +229,7 @@ TEST(SimRoom, MainsHasConfiguredHarmonicsAndOneDirection) {
   EXPECT_NEAR(amplitude_T[3], 3e-7, 1e-12);
   EXPECT_NEAR(amplitude_T[5], 1e-7, 1e-12);
   EXPECT_NEAR(amplitude_T[0] + amplitude_T[2] + amplitude_T[4], 0, 1e-12);
-  EXPECT_LT(Norm(Cross(environment.Mains(0.001), environment.Mains(0.0137))), 1e-24);
+  EXPECT_LT(Norm(Cross(environment.MainsField(0.001), environment.MainsField(0.0137))), 1e-24);
 }
 
 // A distant magnet's field is that of its dipole; the core adds what a sphere of iron adds.
@@ -262,9 +262,9 @@ class Sampled {
 
   void Tick(double run_s) {
     sampler_.Begin();
-    const Surroundings now = sampler_.Now(run_s);
+    const Surroundings now = sampler_.SurroundingsNow(run_s);
     for (int i = 0; i < TickSampler::kSubSteps; ++i) sampler_.Add(first_, now);
-    sampler_.Sample(now, random_);
+    sampler_.TakeSamples(now, random_);
   }
   HallArray::Registers Read(std::size_t sensor) const { return sampler_.hall().Read(sensor); }
 

@@ -25,7 +25,7 @@ TEST(SimMotion, StaysWithinItsRadiusAndSpeedAndClearOfTheHull) {
     double farthest_m = 0;
     double steepest_rad = 0;
     for (int i = 0; i <= 40000; ++i) {
-      const FreeMotion::State state = motion.At(i * 0.5e-3);
+      const FreeMotion::State state = motion.StateAt(i * 0.5e-3);
       const MagnetPose& pose = state.pose;
       ASSERT_NEAR(Norm(pose.axis_base), 1, 1e-12);
       ASSERT_LE(Norm(pose.centre_base_m), options.radius_max_m + 1e-12);
@@ -50,8 +50,9 @@ TEST(SimMotion, VelocityIsTheDerivativeOfThePosition) {
   for (int i = 1; i < 400; ++i) {
     const double t_s = i * 0.0121;
     const double h = 1e-5;
-    const Vec3 slope = (0.5 / h) * (motion.At(t_s + h).pose.centre_base_m - motion.At(t_s - h).pose.centre_base_m);
-    EXPECT_LT(Norm(slope - motion.At(t_s).velocity_base_m_s), 2e-3) << t_s;
+    const Vec3 slope =
+        (0.5 / h) * (motion.StateAt(t_s + h).pose.centre_base_m - motion.StateAt(t_s - h).pose.centre_base_m);
+    EXPECT_LT(Norm(slope - motion.StateAt(t_s).velocity_base_m_s), 2e-3) << t_s;
   }
 }
 
@@ -93,9 +94,9 @@ TEST(SimTrace, ScansSampleThePathAtEachSensorsInstant) {
     const base::HallScan& scan = rows[i].scan;
     ASSERT_NEAR(static_cast<double>(rows[i].tick_end_ns - start_ns), 1e6 * static_cast<double>(i + 1), 1);
     EXPECT_EQ(rows[i].pose.centre_base_m,
-              motion.At(static_cast<double>(scan.t_ns - start_ns) * 1e-9).pose.centre_base_m);
+              motion.StateAt(static_cast<double>(scan.t_ns - start_ns) * 1e-9).pose.centre_base_m);
     for (std::size_t s = 0; s < base::kSensorCount; ++s) {
-      const MagnetPose pose = motion.At(static_cast<double>(scan.t_ns - scan.age_ns[s] - start_ns) * 1e-9).pose;
+      const MagnetPose pose = motion.StateAt(static_cast<double>(scan.t_ns - scan.age_ns[s] - start_ns) * 1e-9).pose;
       const Vec3 expected_T = rig.Readings(&pose, {})[s];
       EXPECT_LT(Norm(scan.field_sensor_T[s] - expected_T), 2e-3 * Norm(expected_T) + 1e-7) << i << " " << s;
     }

@@ -47,18 +47,18 @@ TEST(ToolsAlignProbe, MissingProbeProgramIsNamedInError) {
 TEST(ToolsAlignProbe, ReportsEndWhenChildExits) {
   const auto probe = AlignProbe::Start("/bin/true", {});
   ASSERT_TRUE(probe.ok()) << probe.error();
-  const auto line = (*probe)->Next(5000);
+  const auto line = (*probe)->NextLine(5000);
   ASSERT_TRUE(line);
   EXPECT_EQ(line->says, ProbeSays::kEnd);
 }
 
 // Keys move along the axes of the base, whichever way it faces in the space.
 TEST(ToolsAlignNudge, KeysMoveAndTurnAndUndo) {
-  const alignment::Rigid start = alignment::Nudged(alignment::LevelBase(), 0.7, {1, 2, 3});
+  const alignment::Rigid start = alignment::NudgedPose(alignment::LevelBase(), 0.7, {1, 2, 3});
   const auto moved = [&](const std::string& keys) {
     Nudge nudge(start);
-    for (const char key : keys) nudge.Key(key);
-    return alignment::Compose(alignment::Inverse(start), nudge.placement());
+    for (const char key : keys) nudge.HandleKey(key);
+    return alignment::Compose(alignment::Inverse(start), nudge.base_pose());
   };
   const auto expect = [](const alignment::Rigid& X, base::Vec3 p) {
     EXPECT_NEAR(X.position_m.x, p.x, 1e-12);
@@ -76,7 +76,7 @@ TEST(ToolsAlignNudge, KeysMoveAndTurnAndUndo) {
   const alignment::Rigid turned = moved("[");
   EXPECT_NEAR(2 * turned.orientation.z, 8.75e-3, 1e-6) << "about the base's z, half a degree";
   Nudge nudge(start);
-  EXPECT_EQ(nudge.Key('q'), Nudge::Does::kDone);
+  EXPECT_EQ(nudge.HandleKey('q'), Nudge::Does::kDone);
 }
 
 TEST(ToolsAlignService, ChoosesAlignmentByNumberOrConnectedHeadset) {
@@ -163,10 +163,12 @@ TEST(ToolsAlignSession, CheckFindsTheFirstMark) {
 }
 
 TEST(ToolsAlignService, BaseFollowsItsTouchedMark) {
-  const alignment::Rigid stored = alignment::Nudged(alignment::LevelBase(), 0.7, {1, 2, 3});
+  const alignment::Rigid stored = alignment::NudgedPose(alignment::LevelBase(), 0.7, {1, 2, 3});
   const base::Vec3 mark_m{0.05, -0.02, 0.01}, off_m{4e-3, -1e-3, 2e-3};
-  const alignment::Rigid moved = BaseAsTouched(stored, mark_m, alignment::Apply(stored, mark_m) + off_m);
-  EXPECT_NEAR(base::Distance(alignment::Apply(moved, mark_m), alignment::Apply(stored, mark_m) + off_m), 0, 1e-12);
+  const alignment::Rigid moved = BaseAsTouched(stored, mark_m, alignment::TransformPoint(stored, mark_m) + off_m);
+  EXPECT_NEAR(
+      base::Distance(alignment::TransformPoint(moved, mark_m), alignment::TransformPoint(stored, mark_m) + off_m), 0,
+      1e-12);
   EXPECT_EQ(alignment::Angle_rad(moved, stored), 0);
 }
 

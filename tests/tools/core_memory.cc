@@ -24,7 +24,7 @@ constexpr double kKept_A = 0.012;  // of the twin's 4 mA m2
 // To and fro over the base, .5 m/s at most.
 class Swing final : public sim::PenMotion {
  public:
-  State At(double t_s) const noexcept override {
+  State StateAt(double t_s) const noexcept override {
     constexpr double kRadius_m = 0.09, kAngle = 0.3, kRate = 0.5 / (kRadius_m * kAngle);
     const double angle = kAngle * std::sin(kRate * t_s), rate = kAngle * kRate * std::cos(kRate * t_s);
     const Vec3 up{0, 0, 1}, side{0.8, 0.6, 0};
@@ -54,7 +54,7 @@ Lead LeadOf(const tracker::Config& config, const base::TruthParameters& truth, s
     base.Tick(scan);
     tracker::Update(config, scan, *state, tool);
     if (n < 2000) continue;
-    const auto pen = swing->At(1e-9 * static_cast<double>(scan.t_ns - sim::Loopback::kClockStart_ns));
+    const auto pen = swing->StateAt(1e-9 * static_cast<double>(scan.t_ns - sim::Loopback::kClockStart_ns));
     const Vec3 error_m = tool.position_base_m - pen.pose.centre_base_m;
     lead.mean_m += base::Dot(error_m, pen.velocity_base_m_s);
     weight += base::Norm(pen.velocity_base_m_s);
@@ -88,7 +88,7 @@ TEST(ToolsCoreMemory, CoreHysteresisDoesNotAdvanceSwingingPen) {
 class Held final : public sim::PenMotion {
  public:
   explicit Held(double height_m) : height_m_(height_m) {}
-  State At(double) const noexcept override { return {{{0, 0, height_m_}, {0, 0, -1}}, {}}; }
+  State StateAt(double) const noexcept override { return {{{0, 0, height_m_}, {0, 0, -1}}, {}}; }
 
  private:
   double height_m_;

@@ -85,16 +85,16 @@ TEST_F(Doctor, XdgVariablesReplaceTheirStandardFolders) {
   there_.environment["XDG_DATA_HOME"] = "/home/data";
   there_.environment["XDG_CONFIG_DIRS"] = "/c";
   const std::string below = "/openxr/1/api_layers/implicit.d";
-  EXPECT_EQ(LayerFolders(there_, true), (std::vector<fs::path>{"/c" + below, there_.System("/etc" + below),
+  EXPECT_EQ(LayerFolders(there_, true), (std::vector<fs::path>{"/c" + below, there_.SystemPath("/etc" + below),
                                                                "/a" + below, "/b" + below, "/home/data" + below}));
 }
 
 TEST_F(Doctor, SaysThatDebian12HasNoRuntime) {
   EXPECT_EQ(LookForRuntime(there_).fix.find("Debian 12"), std::string::npos);
-  fs::create_directories(there_.System("/etc"));
-  std::ofstream(there_.System("/etc/os-release")) << "NAME=\"Debian GNU/Linux\"\nVERSION_ID=\"13\"\nID=debian\n";
+  fs::create_directories(there_.SystemPath("/etc"));
+  std::ofstream(there_.SystemPath("/etc/os-release")) << "NAME=\"Debian GNU/Linux\"\nVERSION_ID=\"13\"\nID=debian\n";
   EXPECT_EQ(LookForRuntime(there_).fix.find("Debian 12"), std::string::npos);
-  std::ofstream(there_.System("/etc/os-release")) << "VERSION_ID=\"12\"\nID=debian\n";
+  std::ofstream(there_.SystemPath("/etc/os-release")) << "VERSION_ID=\"12\"\nID=debian\n";
   const Finding finding = LookForRuntime(there_);
   EXPECT_EQ(finding.verdict, Verdict::kFail);
   EXPECT_NE(finding.fix.find("Debian 12 has no package of one"), std::string::npos) << finding.fix;
@@ -338,7 +338,7 @@ TEST_F(Doctor, WarnsWhenNotAligned) {
 
 TEST_F(Doctor, ReportHasEveryDiagnosisOnce) {
   const std::vector<Diagnosed> findings = Diagnose(there_);
-  EXPECT_EQ(findings.size(), Diagnoses().size());
+  EXPECT_EQ(findings.size(), DiagnosisTable().size());
   EXPECT_TRUE(AnyFailed(findings));
   const nlohmann::json json = DoctorJson(findings, {});
   EXPECT_EQ(json["ok"], false);

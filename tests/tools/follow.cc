@@ -101,7 +101,7 @@ TEST(ToolsFollow, VelocityOfTheBaseIsThatOfItsPoses) {
   for (const bool moves : {true, false}) {
     CarriedBase carried(headset, kMount);
     for (std::int64_t t_ns = 0; t_ns < 1000 * kMs_ns; t_ns += 5 * kMs_ns) {
-      const protocol::BaseMotion motion = carried.At(LineAt(t_ns, moves));
+      const protocol::BaseMotion motion = carried.MotionAt(LineAt(t_ns, moves));
       ASSERT_EQ(motion.t_ns, t_ns);
       EXPECT_EQ(motion.space, 3);
       EXPECT_STREQ(motion.headset.system, "S");
@@ -121,8 +121,8 @@ TEST(ToolsFollow, VelocityOfTheBaseIsThatOfItsPoses) {
 // After a gap the two last poses say nothing of the velocity.
 TEST(ToolsFollow, VelocityAcrossAGapIsZero) {
   CarriedBase carried({}, kMount);
-  carried.At(LineAt(0, false));
-  for (const double v : carried.At(LineAt(150 * kMs_ns, false)).linear_velocity_m_s) EXPECT_EQ(v, 0);
+  carried.MotionAt(LineAt(0, false));
+  for (const double v : carried.MotionAt(LineAt(150 * kMs_ns, false)).linear_velocity_m_s) EXPECT_EQ(v, 0);
 }
 
 }  // namespace test_tools_follow

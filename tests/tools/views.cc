@@ -157,11 +157,11 @@ TEST(ToolsWatch, OmitsUnknownTickRate) {
 }
 
 TEST(ToolsWatch, BarClampsAnyNumber) {
-  EXPECT_EQ(Bar(0.5, 1, 4), "##--");
-  EXPECT_EQ(Bar(-3, 1, 4), "----");
-  EXPECT_EQ(Bar(9, 1, 4), "####");
-  EXPECT_EQ(Bar(std::nan(""), 1, 4), "----");
-  EXPECT_EQ(Bar(std::numeric_limits<double>::infinity(), 1, 4), "----");
+  EXPECT_EQ(TextBar(0.5, 1, 4), "##--");
+  EXPECT_EQ(TextBar(-3, 1, 4), "----");
+  EXPECT_EQ(TextBar(9, 1, 4), "####");
+  EXPECT_EQ(TextBar(std::nan(""), 1, 4), "----");
+  EXPECT_EQ(TextBar(std::numeric_limits<double>::infinity(), 1, 4), "----");
 }
 
 TEST(ToolsJson, AccessorsTolerateMissingAndMistypedValues) {

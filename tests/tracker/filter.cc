@@ -308,10 +308,10 @@ TEST(TrackerModels, MixingReachesTheStationaryDistribution) {
 
 TEST(TrackerModels, NoModelProbabilityReachesZero) {
   Likely likely{0.3, 0.3, 0.4};
-  for (int i = 0; i < 100; ++i) Weigh({-1e6, 0, -2e6}, likely);
+  for (int i = 0; i < 100; ++i) UpdateProbabilities({-1e6, 0, -2e6}, likely);
   EXPECT_GT(likely[0], 0);
   EXPECT_GT(likely[2], 0);
-  Weigh({0, -20, -20}, likely);
+  UpdateProbabilities({0, -20, -20}, likely);
   EXPECT_GT(likely[0], 0.9);
 }
 

@@ -23,8 +23,8 @@ struct Scene : support::KernelScene<Real> {
 
   KernelSums Sums(const Kernel& kernel, const KernelTask& task) const {
     KernelSums sums{};
-    In<Real>(kernel).sum(this->places.data(), this->blocks.data(), static_cast<int>(this->blocks.size()), this->tool,
-                         this->pose, task, nullptr, sums);
+    KernelFor<Real>(kernel).sum(this->places.data(), this->blocks.data(), static_cast<int>(this->blocks.size()),
+                                this->tool, this->pose, task, nullptr, sums);
     return sums;
   }
 };
@@ -71,7 +71,7 @@ void ExpectResidualsOf(double tolerance) {
     const KernelTask task{parameters, 4, true};
     KernelSums first{};
     for (int k = 0; k < list.count; ++k) {
-      const KernelIn<Real>& kernel = In<Real>(*list.kernels[k]);
+      const KernelIn<Real>& kernel = KernelFor<Real>(*list.kernels[k]);
       JacobianBlock<Real> jacobian[2];
       KernelSums sums{}, renewed{};
       kernel.sum(scene.places.data(), scene.blocks.data(), 2, scene.tool, scene.pose, task, jacobian, sums);

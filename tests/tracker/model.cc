@@ -228,7 +228,7 @@ TEST(TrackerModel, ReadingsAreUsedUpToTheRangeOfTheCalibration) {
     base::HallScan scan = support::MakeScan(config.model, {{0, 0, 0.1}, -Vector3d::UnitZ()}, 1'000'000'000, rng);
     for (const double share : {0.9, 3.9, 4.1}) {
       scan.field_sensor_T[0].x = share * range_T;
-      const int axes = MakeMeasurement(config.model, config.trust, scan, {}, Remember(scan, {})).axes;
+      const int axes = MakeMeasurement(config.model, config.trust, scan, {}, UpdatedHistory(scan, {})).axes;
       EXPECT_EQ(axes, share > 4 ? kReadings - 1 : kReadings) << range_T << " " << share;
     }
   }

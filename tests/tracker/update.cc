@@ -238,7 +238,7 @@ TEST(TrackerCurrents, TickEndIsEstimatedFromTheTimestamps) {
     const std::int64_t lead_ns = std::abs(tick % 250 - 125) * 1000;  // touches zero every 250 ticks
     scan.sequence = static_cast<std::uint64_t>(tick);
     scan.t_ns = 5'000'000'000 + tick * 1'000'000LL - lead_ns;
-    history = Remember(scan, history);
+    history = UpdatedHistory(scan, history);
     if (tick > 300) worst_s = std::max(worst_s, std::abs(history.stamp_lead_s - 1e-9 * static_cast<double>(lead_ns)));
   }
   EXPECT_LT(worst_s, 3e-5);

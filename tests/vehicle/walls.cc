@@ -175,8 +175,8 @@ TEST(Walls, AbsurdStatesAreClamped) {
       driver.state.velocity_base_m_s = {x, r, 0};
       driver.state.yaw_rate_rad_s = r;
       for (int k = 0; k < 50; ++k) driver.Coast(5e-3);
-      EXPECT_TRUE(Within(driver.state.position_base_m, 1e3)) << x << " " << r;
-      EXPECT_TRUE(Within(driver.state.velocity_base_m_s, 1e3)) << x << " " << r;
+      EXPECT_TRUE(IsWithin(driver.state.position_base_m, 1e3)) << x << " " << r;
+      EXPECT_TRUE(IsWithin(driver.state.velocity_base_m_s, 1e3)) << x << " " << r;
       EXPECT_TRUE(std::isfinite(driver.state.heading_rad));
     }
   }
@@ -270,7 +270,7 @@ TEST(Play, ForceIsBoundedWithoutAllocationForRandomInputs) {
     const loop::AllocProbe probe;
     pen.MoveTo(tip);
     ASSERT_EQ(probe.count(), 0U);
-    ASSERT_TRUE(Within(pen.output.force_base_N, 3));
+    ASSERT_TRUE(IsWithin(pen.output.force_base_N, 3));
     ASSERT_TRUE(pen.output.force_base_N == Vec3{} || !pen.input.tracked ||
                 base::FeasibleScale(pen.input.limit, pen.output.force_base_N) >= 1 - 1e-9);
   }

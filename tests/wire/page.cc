@@ -34,7 +34,7 @@ TEST(WirePage, GeneratedPageMatchesCommittedPage) {
 TEST(WireNames, EveryFaultBitHasNameMeaningAndAdvice) {
   std::uint32_t all = 0;
   std::set<std::string> names;
-  for (const FaultText& row : Faults()) {
+  for (const FaultText& row : FaultTexts()) {
     EXPECT_EQ(row.fault, 1U << names.size()) << "in order, without a hole";
     all |= row.fault;
     names.insert(row.name);
@@ -44,7 +44,7 @@ TEST(WireNames, EveryFaultBitHasNameMeaningAndAdvice) {
     EXPECT_GT(std::char_traits<char>::length(row.meaning), 0U) << row.name;
   }
   EXPECT_EQ(all, (kFaultInternal << 1) - 1) << "kFaultInternal is the last bit";
-  EXPECT_EQ(names.size(), Faults().count);
+  EXPECT_EQ(names.size(), FaultTexts().count);
 }
 
 TEST(WireNames, LookupByValueReturnsNameOrUnknown) {
@@ -66,12 +66,12 @@ TEST(WireNames, LookupByValueReturnsNameOrUnknown) {
 // A value that decoding accepts has a name; the one behind the last has none.
 TEST(WireNames, TablesEndWhereTheEnumsEnd) {
   EXPECT_EQ(MessageTypes().count, static_cast<std::size_t>(MessageType::kLog));
-  EXPECT_EQ(States().count, static_cast<std::size_t>(State::kFault) + 1);
-  EXPECT_EQ(Modes().count, static_cast<std::size_t>(Mode::kCurrent) + 1);
+  EXPECT_EQ(StateNames().count, static_cast<std::size_t>(State::kFault) + 1);
+  EXPECT_EQ(ModeNames().count, static_cast<std::size_t>(Mode::kCurrent) + 1);
   EXPECT_EQ(ArmSteps().count, static_cast<std::size_t>(ArmStep::kRefused));
   EXPECT_EQ(ConfigOps().count, static_cast<std::size_t>(ConfigOp::kRefused));
   EXPECT_EQ(LogLevels().count, static_cast<std::size_t>(LogLevel::kError) + 1);
-  EXPECT_EQ(Capabilities().count, 4U);
+  EXPECT_EQ(CapabilityNames().count, 4U);
 }
 
 }  // namespace test_wire_page

@@ -15,7 +15,7 @@ int Main(const char* command_line) {
     return kExitUsage;
   }
   Text text;
-  text.Add("drill ").Add(steps).Add(" ").AddHex(Drill(steps)).Add("\n");
+  text.Add("drill ").Add(steps).Add(" ").AddHex(DrillChecksum(steps)).Add("\n");
   Print(text.c_str());
   return kExitOk;
 }

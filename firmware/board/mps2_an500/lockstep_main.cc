@@ -66,7 +66,7 @@ int Serve(LockstepBoard& board, bool count_instructions) noexcept {
     }
     const wire::State state = board.core().state();
     counter.Begin();
-    board.Answer(request, answer);
+    board.HandleRequest(request, answer);
     const std::uint32_t instructions = counter.End();
     if (count_instructions && request.op == LockstepOp::kStep) {
       counts.Add(state, answer.frames[0].size != 0, instructions);

@@ -55,7 +55,7 @@ void Board::Read(firmware::Inputs& inputs) noexcept {
   const std::uint64_t now_us = time_.Now();
   inputs.now_us = now_us;
   bridges_.SetTime(now_us);
-  currents_.Collect(inputs);
+  currents_.CollectReadings(inputs);
   ReadVoltages(inputs);
   halls_.Read(now_us, inputs);
   ReadFaults(inputs);
@@ -75,7 +75,7 @@ void Board::Write(const firmware::Outputs& outputs) noexcept {
   all_asleep_ = AllAsleep();
   halls_.SelfTest(outputs.hall_self_test != 0);
   fan_.Set(outputs.fan);
-  currents_.Request(bridges_.CoilFaultLines(), bridges_.nothing_driven());
+  currents_.RequestReadings(bridges_.CoilFaultLines(), bridges_.nothing_driven());
   SetPin(Signal::kLed, !all_asleep_ || steps_ / kBlinkSteps % 2 == 0);
   if (outputs.feed_watchdog != 0) FeedWatchdog();
 }

@@ -29,8 +29,8 @@ class Board {
   std::size_t Receive(std::uint8_t* frame, std::size_t capacity) noexcept { return usb_.Receive(frame, capacity); }
   bool Send(const std::uint8_t* frame, std::size_t size) noexcept { return usb_.Send(frame, size); }
 
-  void UsbInterrupt() noexcept { usb_.Interrupt(); }
-  void CurrentBusInterrupt() noexcept { currents_.Interrupt(); }
+  void UsbInterrupt() noexcept { usb_.HandleInterrupt(); }
+  void CurrentBusInterrupt() noexcept { currents_.HandleInterrupt(); }
 
   // Called by the main loop, after every interrupt.
   void Maintain() noexcept;

@@ -43,13 +43,13 @@ void Timebase::Start(std::uint32_t step_us) noexcept {
 }
 
 std::uint64_t Timebase::Now() noexcept {
-  const std::uint32_t now = Low();
+  const std::uint32_t now = NowLow32_us();
   if (now < last_) high_ += std::uint64_t{1} << 32;
   last_ = now;
   return high_ + now;
 }
 
-std::uint32_t Timebase::Low() noexcept { return gpt2().CNT; }
+std::uint32_t Timebase::NowLow32_us() noexcept { return gpt2().CNT; }
 
 bool Timebase::AcknowledgeStep() noexcept {
   PitChannel& channel = pit().channel[0];

@@ -16,7 +16,7 @@ class Timebase {
   std::uint64_t Now() noexcept;
 
   // The low 32 bits, from any context.
-  static std::uint32_t Low() noexcept;
+  static std::uint32_t NowLow32_us() noexcept;
 
   // Call first in the control interrupt. False: the interrupt was not this timer's.
   static bool AcknowledgeStep() noexcept;
@@ -25,7 +25,7 @@ class Timebase {
   // 120000 pulses a minute.
   struct FanCapture {
     bool NextEdge(std::uint32_t& t_us) noexcept;
-    std::uint32_t Now_us() noexcept { return Low(); }
+    std::uint32_t Now_us() noexcept { return NowLow32_us(); }
   };
 
  private:

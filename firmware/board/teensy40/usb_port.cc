@@ -17,10 +17,10 @@ __attribute__((section(".shared"))) drivers::usb::UsbMemory g_usb_memory;
 #endif
 
 void LeaveTheBootLoadersSession() noexcept {
-  if ((Word(kUsb1Mode) & kModeMask) == 0) return;
+  if ((RegisterAt(kUsb1Mode) & kModeMask) == 0) return;
   usbphy1().CTRL.set = kSoftReset;
-  Word(kUsb1Command) |= kControllerReset;
-  Spin(kLeave_us);
+  RegisterAt(kUsb1Command) |= kControllerReset;
+  BusyWait(kLeave_us);
   usbphy1().CTRL.clear = kSoftReset;
 }
 
@@ -43,14 +43,14 @@ UsbPort::UsbPort(const firmware::Settings& settings) noexcept
 void UsbPort::Start() noexcept {
   analog().PMU_REG_3P0.value = analog_bits::kUsbRegulator;
   LeaveTheBootLoadersSession();
-  Word(kUsb1BurstSize) = kBursts;
+  RegisterAt(kUsb1BurstSize) = kBursts;
   usbphy1().CTRL.clear = kClockGate;
   usbphy1().PWD.value = 0;
   if (device_.Start()) nvic::Enable(Irq::kUsb1, Priority::kLow);
 }
 
-void UsbPort::Interrupt() noexcept {
-  device_.Interrupt();
+void UsbPort::HandleInterrupt() noexcept {
+  device_.HandleInterrupt();
   std::uint8_t frame[wire::kFrameSizeMax];
   while (const std::size_t size = device_.Receive(frame, sizeof frame)) from_host_.Push(frame, size);
   while (const std::size_t size = to_host_.Pop(frame, sizeof frame)) device_.Send(frame, size);

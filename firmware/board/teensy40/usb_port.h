@@ -62,7 +62,7 @@ class UsbPort {
 
   // Clocks run already. Takes 25 ms if the boot loader has used the controller: the host must see the device leave.
   void Start() noexcept;
-  void Interrupt() noexcept;
+  void HandleInterrupt() noexcept;
 
   // Control step.
   std::size_t Receive(std::uint8_t* frame, std::size_t capacity) noexcept { return from_host_.Pop(frame, capacity); }
@@ -80,10 +80,10 @@ class UsbPort {
 
   // firmware/drivers/usb_device.h. On-chip RAM is not cached here; barriers keep the order of accesses.
   struct Bus {
-    std::uint32_t Read(std::uint32_t offset) noexcept { return Word(kUsb1Base + offset); }
+    std::uint32_t Read(std::uint32_t offset) noexcept { return RegisterAt(kUsb1Base + offset); }
     void Write(std::uint32_t offset, std::uint32_t value) noexcept {
       DataBarrier();
-      Word(kUsb1Base + offset) = value;
+      RegisterAt(kUsb1Base + offset) = value;
     }
     std::uint32_t Address(const volatile void* memory) noexcept {
       return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(memory));

@@ -43,11 +43,11 @@ void Core::OnHello(const wire::FrameView& view, std::uint8_t version) noexcept {
   host_is_compatible_ = oldest <= wire::kVersion && wire::kVersion <= newest;
   if (!host_is_compatible_) {
     LogLine line(wire::LogLevel::kWarning);
-    line.Text("refuses to arm: the host speaks protocol ").Number(oldest).Text(" to ").Number(newest);
-    Say(line.Text(", this base ").Number(wire::kVersion));
+    line.AddText("refuses to arm: the host speaks protocol ").AddNumber(oldest).AddText(" to ").AddNumber(newest);
+    Say(line.AddText(", this base ").AddNumber(wire::kVersion));
   }
   if (state_ != wire::State::kArmed) {
-    gate_.Forget();
+    gate_.ResetSequence();
     has_config_seq_ = false;
   }
   outbox_.Push(Identity());

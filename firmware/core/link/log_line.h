@@ -9,11 +9,11 @@ class LogLine {
  public:
   explicit LogLine(wire::LogLevel level) noexcept { log_.level = level; }
 
-  LogLine& Text(const char* text) noexcept {
+  LogLine& AddText(const char* text) noexcept {
     for (; *text != '\0'; ++text) Put(*text);
     return *this;
   }
-  LogLine& Number(std::uint32_t value) noexcept {
+  LogLine& AddNumber(std::uint32_t value) noexcept {
     char digits[10];
     int count = 0;
     do {

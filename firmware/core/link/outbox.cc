@@ -13,7 +13,7 @@ bool Outbox::PushTelemetry(const wire::Telemetry& telemetry, std::uint64_t t_dev
 }
 
 // Sequence numbers are assigned when a frame leaves, so that they are in sending order.
-std::size_t Outbox::Next(std::uint64_t now_us, std::uint8_t* frame, std::size_t capacity) noexcept {
+std::size_t Outbox::PopFrame(std::uint64_t now_us, std::uint8_t* frame, std::size_t capacity) noexcept {
   wire::Encoded encoded;
   if (count_ > 0) {
     const Answer& answer = answers_[first_];

@@ -31,7 +31,7 @@ class Outbox {
   bool PushTelemetry(const wire::Telemetry& telemetry, std::uint64_t t_device_us) noexcept;
 
   // The next frame; 0: none. One that does not fit is lost.
-  std::size_t Next(std::uint64_t now_us, std::uint8_t* frame, std::size_t capacity) noexcept;
+  std::size_t PopFrame(std::uint64_t now_us, std::uint8_t* frame, std::size_t capacity) noexcept;
 
   std::uint32_t lost() const noexcept { return lost_; }
 

@@ -29,8 +29,8 @@ void TickReport::Add(const Inputs& inputs, const float (&end_A)[wire::kCoils], c
   ++steps_;
 }
 
-std::uint64_t TickReport::Fill(const Settings& settings, const Inputs& inputs, const HallWatch& hall,
-                               const CoilHeat& heat, wire::Telemetry& telemetry) noexcept {
+std::uint64_t TickReport::FillTelemetry(const Settings& settings, const Inputs& inputs, const HallWatch& hall,
+                                        const CoilHeat& heat, wire::Telemetry& telemetry) noexcept {
   const int steps = steps_ > 0 ? steps_ : 1;
   for (int k = 0; k < wire::kCoils; ++k) {
     for (int step = 0; step < kStepsPerTick; ++step) telemetry.current[step][k] = current_[step][k];

@@ -14,8 +14,8 @@ class TickReport {
 
   // Electrical means, samples with their ages, temperatures; begins the next tick. The core adds its own fields.
   // Returns the instant of the newest Hall sample; it never goes back.
-  std::uint64_t Fill(const Settings& settings, const Inputs& inputs, const HallWatch& hall, const CoilHeat& heat,
-                     wire::Telemetry& telemetry) noexcept;
+  std::uint64_t FillTelemetry(const Settings& settings, const Inputs& inputs, const HallWatch& hall,
+                              const CoilHeat& heat, wire::Telemetry& telemetry) noexcept;
 
  private:
   void TakeField(const Inputs& inputs, const HallWatch& hall, wire::Telemetry& telemetry) noexcept;

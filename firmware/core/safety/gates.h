@@ -33,7 +33,7 @@ class CommandGate {
   bool Accept(const wire::Command& command, std::uint16_t seq, std::uint64_t now_us) noexcept;
 
   // For a new host, or one that was disconnected: any sequence may begin.
-  void Forget() noexcept { has_order_ = false; }
+  void ResetSequence() noexcept { has_order_ = false; }
   // On arming: the first command may take a whole time to live.
   void StartWaiting(std::uint64_t now_us) noexcept;
 
@@ -57,7 +57,7 @@ class CommandGate {
 class OutputCheck {
  public:
   // Notes each state that the core enters, in order.
-  void Enter(wire::State state) noexcept { state_ = state; }
+  void SetState(wire::State state) noexcept { state_ = state; }
 
   // Every step, last. False: a bridge would be driven that must not be.
   bool Allows(const Outputs& outputs) noexcept;

@@ -23,8 +23,8 @@ HallVerdict HallWatch::Step(const Settings& settings, const Inputs& inputs) noex
   HallVerdict verdict;
   WatchCurrents(inputs);
   for (int i = 0; i < wire::kSensors; ++i) {
-    const bool answers = Bit(inputs.field_answers, i);
-    if (answers && Bit(inputs.field_fresh, i)) Handle(settings, inputs, i, verdict);
+    const bool answers = TestBit(inputs.field_answers, i);
+    if (answers && TestBit(inputs.field_fresh, i)) Handle(settings, inputs, i, verdict);
     const bool is_stale = !has_sample_[i] || inputs.now_us - sample_us_[i] > kHallStale_us;
     if (!answers || is_stale) verdict.silent |= BitOf(i);
     if (equal_[i] >= RuleOf(wire::kFaultHallStuck).hold) verdict.stuck |= BitOf(i);

@@ -56,11 +56,11 @@ void SafetyMonitor::CheckCoils(const Settings& settings, const Observation& seen
     power_W += current_A * voltage_V;
     Check(wire::kFaultOverCurrent, k, !(current_A <= settings.current_trip_A), seen.current_A[k]);
     Block(wire::kFaultOverCurrent, !(current_A <= settings.current_trip_A));
-    Check(wire::kFaultDriver, k, Bit(seen.driver_fault, k), seen.current_A[k]);
+    Check(wire::kFaultDriver, k, TestBit(seen.driver_fault, k), seen.current_A[k]);
 
     const bool is_nonsense = !(current_A <= kCurrentNonsense_A) || (was_asleep && current_A > kCurrentAsleep_A) ||
                              !(voltage_V <= kVoltageOverSupplyShare * seen.supply_V + kVoltageOverSupply_V);
-    const bool is_wrong = !Bit(seen.measured_mask, k) || is_nonsense;
+    const bool is_wrong = !TestBit(seen.measured_mask, k) || is_nonsense;
     Check(wire::kFaultCurrentSensor, k, is_wrong && seen.state != wire::State::kBoot, seen.current_A[k]);
     Block(wire::kFaultCurrentSensor, is_wrong);
   }
@@ -77,10 +77,10 @@ void SafetyMonitor::CheckModel(int coil, const Settings& settings, const Observa
   const float resistance_ohm = heat.resistance_ohm(coil);
   const float r_20C_ohm = settings.coils[coil].resistance_20C_ohm;
   const bool is_driven = drive.follows() || drive.phase() == Drive::Phase::kTest;
-  const bool is_known = Bit(seen.measured_mask, coil);
+  const bool is_known = TestBit(seen.measured_mask, coil);
   const CoilModel model(resistance_ohm, settings.coils[coil].inductance_H);
   const float before_A = model_A_[coil];
-  const float after_A = model.Next(before_A, drive.direction(coil) * seen.voltage_V[coil]);
+  const float after_A = model.NextCurrent_A(before_A, drive.direction(coil) * seen.voltage_V[coil]);
   model_A_[coil] = drive.is_asleep() ? 0 : after_A;
   const float given_A = 0.5F * (before_A + after_A);
   const float current_A = seen.current_A[coil];
@@ -126,10 +126,10 @@ void SafetyMonitor::CheckHeat(const Settings& settings, const Observation& seen,
 void SafetyMonitor::CheckHall(const Observation& seen) noexcept {
   const bool has_started = seen.state != wire::State::kBoot;
   for (int i = 0; i < wire::kSensors; ++i) {
-    Check(wire::kFaultHallSensor, i, has_started && Bit(seen.hall.silent, i), 0);
+    Check(wire::kFaultHallSensor, i, has_started && TestBit(seen.hall.silent, i), 0);
     // The hall watch has counted its samples already.
-    if (Bit(seen.hall.stuck, i)) Report(wire::kFaultHallStuck, i, 0);
-    if (Bit(seen.hall.jumps, i)) Report(wire::kFaultHallJump, i, 0);
+    if (TestBit(seen.hall.stuck, i)) Report(wire::kFaultHallStuck, i, 0);
+    if (TestBit(seen.hall.jumps, i)) Report(wire::kFaultHallJump, i, 0);
   }
   Block(wire::kFaultHallSensor, seen.hall.silent != 0);
   Block(wire::kFaultHallStuck, seen.hall.stuck != 0);

@@ -13,7 +13,7 @@ void Overlay(const Records& records, XrSession session, const XrActionStateGetIn
   const auto action = record ? records.actions.Find(info.action) : nullptr;
   if (!action) return;
   const std::shared_lock lock(record->mutex);
-  const ActionState* merged = record->actions.Find(*action, info.subactionPath);
+  const ActionState* merged = record->actions.FindState(*action, info.subactionPath);
   if (!merged) return;
   state.isActive = merged->active ? XR_TRUE : XR_FALSE;
   assign(*merged, state);
@@ -30,7 +30,7 @@ void AssignTimes(const ActionState& merged, State& state) {
 XrResult Input::GetActionStateBoolean(XrSession session, const XrActionStateGetInfo* info,
                                       XrActionStateBoolean* state) {
   const XrResult result = runtime_.next.GetActionStateBoolean(session, info, state);
-  link_.Beat();
+  link_.SignalAlive();
   if (XR_FAILED(result)) return result;
   Overlay(records_, session, *info, *state, [](const ActionState& merged, XrActionStateBoolean& out) {
     out.currentState = merged.value.x > kPressThreshold ? XR_TRUE : XR_FALSE;
@@ -41,7 +41,7 @@ XrResult Input::GetActionStateBoolean(XrSession session, const XrActionStateGetI
 
 XrResult Input::GetActionStateFloat(XrSession session, const XrActionStateGetInfo* info, XrActionStateFloat* state) {
   const XrResult result = runtime_.next.GetActionStateFloat(session, info, state);
-  link_.Beat();
+  link_.SignalAlive();
   if (XR_FAILED(result)) return result;
   Overlay(records_, session, *info, *state, [&](const ActionState& merged, XrActionStateFloat& out) {
     out.currentState = merged.value.x;
@@ -53,7 +53,7 @@ XrResult Input::GetActionStateFloat(XrSession session, const XrActionStateGetInf
 XrResult Input::GetActionStateVector2f(XrSession session, const XrActionStateGetInfo* info,
                                        XrActionStateVector2f* state) {
   const XrResult result = runtime_.next.GetActionStateVector2f(session, info, state);
-  link_.Beat();
+  link_.SignalAlive();
   if (XR_FAILED(result)) return result;
   Overlay(records_, session, *info, *state, [](const ActionState& merged, XrActionStateVector2f& out) {
     out.currentState = merged.value;
@@ -64,7 +64,7 @@ XrResult Input::GetActionStateVector2f(XrSession session, const XrActionStateGet
 
 XrResult Input::GetActionStatePose(XrSession session, const XrActionStateGetInfo* info, XrActionStatePose* state) {
   const XrResult result = runtime_.next.GetActionStatePose(session, info, state);
-  link_.Beat();
+  link_.SignalAlive();
   if (XR_FAILED(result)) return result;
   Overlay(records_, session, *info, *state, [](const ActionState&, XrActionStatePose&) {});
   return result;

@@ -51,7 +51,7 @@ class NextStates : public RuntimeStates {
 
 XrResult Input::CreateActionSet(const XrActionSetCreateInfo* info, XrActionSet* set) {
   const XrResult result = runtime_.next.CreateActionSet(runtime_.handle, info, set);
-  link_.Beat();
+  link_.SignalAlive();
   if (XR_FAILED(result)) return result;
   auto record = std::make_shared<ActionSet>();
   record->handle = *set;
@@ -62,7 +62,7 @@ XrResult Input::CreateActionSet(const XrActionSetCreateInfo* info, XrActionSet* 
 
 XrResult Input::DestroyActionSet(XrActionSet set) {
   const XrResult result = runtime_.next.DestroyActionSet(set);
-  link_.Beat();
+  link_.SignalAlive();
   if (XR_FAILED(result)) return result;
   records_.actions.EraseIf([set](Action& action) {
     if (action.set->handle != set) return false;
@@ -75,7 +75,7 @@ XrResult Input::DestroyActionSet(XrActionSet set) {
 
 XrResult Input::CreateAction(XrActionSet set, const XrActionCreateInfo* info, XrAction* action) {
   const XrResult result = runtime_.next.CreateAction(set, info, action);
-  link_.Beat();
+  link_.SignalAlive();
   if (XR_FAILED(result)) return result;
   auto record = std::make_shared<Action>();
   record->handle = *action;
@@ -89,7 +89,7 @@ XrResult Input::CreateAction(XrActionSet set, const XrActionCreateInfo* info, Xr
 XrResult Input::DestroyAction(XrAction action) {
   const auto record = records_.actions.Find(action);
   const XrResult result = runtime_.next.DestroyAction(action);
-  link_.Beat();
+  link_.SignalAlive();
   if (XR_FAILED(result)) return result;
   if (record) record->destroyed = true;
   if (record && !record->set->attached) record->withdrawn = true;
@@ -99,7 +99,7 @@ XrResult Input::DestroyAction(XrAction action) {
 
 XrResult Input::AttachSessionActionSets(XrSession session, const XrSessionActionSetsAttachInfo* info) {
   const XrResult result = runtime_.next.AttachSessionActionSets(session, info);
-  link_.Beat();
+  link_.SignalAlive();
   link_.Poll(base::MonotonicNow_ns());
   const auto record = records_.sessions.Find(session);
   if (XR_FAILED(result) || !record) return result;
@@ -119,7 +119,7 @@ XrResult Input::AttachSessionActionSets(XrSession session, const XrSessionAction
   const std::unique_lock lock(record->mutex);
   record->actions.Attach(sets, candidates, suggestions);
   if (record->actions.preference_unusable())
-    log_.Line("the preferred profile has no suggested binding that the pen serves; using the best of the others");
+    log_.WriteLine("the preferred profile has no suggested binding that the pen serves; using the best of the others");
   return result;
 }
 
@@ -174,20 +174,20 @@ void Input::Sync(Session& session, const XrActionsSyncInfo& info, bool focused, 
   }
 
   const std::unique_lock lock(session.mutex);
-  input.pen = session.pen = link_.Read(now_ns, session.pen);
+  input.pen = session.pen = link_.ReadPen(now_ns, session.pen);
   input.put_down = !input.test && PutDown(session, input.pen);
   SessionActions& state = session.actions;
   const Profile* before[] = {state.ProfileAt(runtime_.hand_paths[0]), state.ProfileAt(runtime_.hand_paths[1])};
   state.Sync(input, NextStates(runtime_.next, session.handle), clock_, clock_.ToXr(now_ns));
   records_.spaces.ForEach([&](Space& space) {
-    if (space.action && space.session.get() == &session) state.Serve(space);
+    if (space.action && space.session.get() == &session) state.UpdateServedBy(space);
   });
   for (const Pulse& pulse : state.PopPulses()) vibrations_.Play(pulse);
   for (std::size_t hand = 0; hand < runtime_.hand_paths.size(); ++hand) {
     const Profile* after = state.ProfileAt(runtime_.hand_paths[hand]);
     if (before[hand] == after) continue;
     const std::string side(UserPath(static_cast<Hand>(hand)));
-    log_.Line(side + (after ? ": the pen, as " + after->path : ": the pen is gone or put down"));
+    log_.WriteLine(side + (after ? ": the pen, as " + after->path : ": the pen is gone or put down"));
     bindings_.NotifyProfileChange(session, runtime_.hand_paths[hand], before[hand], after);
   }
 }

@@ -80,15 +80,15 @@ void Bindings::Record(const std::string& profile_path, const XrInteractionProfil
 }
 
 XrResult Bindings::SuggestInteractionProfileBindings(const XrInteractionProfileSuggestedBinding* suggested) {
-  link_.Beat();
+  link_.SignalAlive();
   if (!suggested || suggested->type != XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING)
     return runtime_.next.SuggestInteractionProfileBindings(runtime_.handle, suggested);
   const std::string path = runtime_.PathText(suggested->interactionProfile);
   const auto found = std::find_if(profiles_.begin(), profiles_.end(), [&](const Profile& p) { return p.path == path; });
   const Profile* known = found == profiles_.end() ? nullptr : &*found;
   const std::vector<BindingThreshold> thresholds =
-      ReadThresholds(*suggested, {runtime_.Enabled(XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME),
-                                  runtime_.Enabled(XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME)});
+      ReadThresholds(*suggested, {runtime_.HasExtension(XR_KHR_BINDING_MODIFICATION_EXTENSION_NAME),
+                                  runtime_.HasExtension(XR_VALVE_ANALOG_THRESHOLD_EXTENSION_NAME)});
   XrResult result = XR_SUCCESS;
   if (known && OnlyOurs(*known)) {
     result = CheckSuggestions(*known, BindingsOf(*suggested));
@@ -122,7 +122,7 @@ void Bindings::NotifyProfileChange(Session& session, XrPath user_path, const Pro
 
 XrResult Bindings::GetCurrentInteractionProfile(XrSession session, XrPath user_path, XrInteractionProfileState* state) {
   const XrResult result = runtime_.next.GetCurrentInteractionProfile(session, user_path, state);
-  link_.Beat();
+  link_.SignalAlive();
   if (XR_FAILED(result)) return result;
   const auto record = records_.sessions.Find(session);
   if (!record) return result;

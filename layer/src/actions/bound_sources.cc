@@ -14,7 +14,7 @@ bool StartsWith(std::string_view text, std::string_view prefix) { return text.su
 // The name of a component of the profile, empty if it has none.
 std::string ComponentName(const Profile& profile, Hand hand, std::string_view local) {
   for (const Component& c : profile.components)
-    if (c.On(hand) && c.path == local) return c.name;
+    if (c.IsOnHand(hand) && c.path == local) return c.name;
   for (const PoseComponent& pose : profile.poses)
     if (pose.path == local) return pose.name;
   if (std::find(profile.haptics.begin(), profile.haptics.end(), local) != profile.haptics.end()) return "Vibration";
@@ -38,7 +38,7 @@ std::string JoinName(XrInputSourceLocalizedNameFlags which, Hand hand, const Pro
 
 XrResult Input::EnumerateBoundSourcesForAction(XrSession session, const XrBoundSourcesForActionEnumerateInfo* info,
                                                uint32_t capacity, uint32_t* count, XrPath* sources) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto record = records_.sessions.Find(session);
   const auto action = record && info ? records_.actions.Find(info->action) : nullptr;
   std::vector<std::string> pen;
@@ -68,7 +68,7 @@ XrResult Input::EnumerateBoundSourcesForAction(XrSession session, const XrBoundS
 
 XrResult Input::GetInputSourceLocalizedName(XrSession session, const XrInputSourceLocalizedNameGetInfo* info,
                                             uint32_t capacity, uint32_t* count, char* text) {
-  link_.Beat();
+  link_.SignalAlive();
   constexpr XrInputSourceLocalizedNameFlags kKnown = XR_INPUT_SOURCE_LOCALIZED_NAME_USER_PATH_BIT |
                                                      XR_INPUT_SOURCE_LOCALIZED_NAME_INTERACTION_PROFILE_BIT |
                                                      XR_INPUT_SOURCE_LOCALIZED_NAME_COMPONENT_BIT;

@@ -9,7 +9,7 @@ std::string_view Parent(std::string_view path) { return path.substr(0, path.rfin
 
 int FindComponent(const Profile& profile, Hand hand, std::string_view path) {
   for (std::size_t i = 0; i < profile.components.size(); ++i)
-    if (profile.components[i].path == path && profile.components[i].On(hand)) return static_cast<int>(i);
+    if (profile.components[i].path == path && profile.components[i].IsOnHand(hand)) return static_cast<int>(i);
   return -1;
 }
 
@@ -72,14 +72,15 @@ std::string_view UserPath(Hand hand) { return hand == Hand::kLeft ? "/user/hand/
 
 bool HasPath(const Profile& profile, Hand hand, std::string_view local_path, const std::vector<std::string>& enabled) {
   for (const Component& c : profile.components)
-    if (c.On(hand) && Available(c.requires_any, enabled) && IsPathOrParent(local_path, c.path)) return true;
+    if (c.IsOnHand(hand) && Available(c.requires_any, enabled) && IsPathOrParent(local_path, c.path)) return true;
   for (const PoseComponent& pose : profile.poses)
     if (Available(pose.requires_any, enabled) && IsPathOrParent(local_path, pose.path)) return true;
   return IsDpad(profile, hand, local_path, enabled) ||
          std::find(profile.haptics.begin(), profile.haptics.end(), local_path) != profile.haptics.end();
 }
 
-std::optional<Binding> Resolve(const Profile& profile, Hand hand, XrActionType type, std::string_view full_path) {
+std::optional<Binding> ResolveBinding(const Profile& profile, Hand hand, XrActionType type,
+                                      std::string_view full_path) {
   const std::string_view user = UserPath(hand);
   if (full_path.substr(0, user.size()) != user) return std::nullopt;
   const std::string local(full_path.substr(user.size()));

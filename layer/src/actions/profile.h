@@ -30,7 +30,7 @@ struct Component {
   bool left = true;              // which hands have it
   bool right = true;
   std::vector<std::string> requires_any;  // extensions or "1.1"; empty: always there
-  bool On(Hand hand) const { return hand == Hand::kLeft ? left : right; }
+  bool IsOnHand(Hand hand) const { return hand == Hand::kLeft ? left : right; }
 };
 
 struct PoseComponent {
@@ -85,6 +85,6 @@ bool HasPath(const Profile& profile, Hand hand, std::string_view local_path, con
 
 // The source that `full_path` gives to an action of `type`: parent paths and conversions of
 // [input-suggested-bindings]. Empty: another hand, or not convertible (then the binding is ignored, as the spec says).
-std::optional<Binding> Resolve(const Profile& profile, Hand hand, XrActionType type, std::string_view full_path);
+std::optional<Binding> ResolveBinding(const Profile& profile, Hand hand, XrActionType type, std::string_view full_path);
 
 }  // namespace omni::layer

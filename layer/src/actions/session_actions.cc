@@ -32,7 +32,7 @@ SessionActions::Place SessionActions::PlaceOf(const Action& action, const std::s
   for (const Hand hand : {Hand::kLeft, Hand::kRight}) {
     if (suggested.rfind(std::string(UserPath(hand)) + "/", 0) != 0) continue;
     const Place there = hand == Hand::kLeft ? Place::kLeft : Place::kRight;
-    return any || action.Declares(PathOf(hand)) ? there : Place::kNowhere;
+    return any || action.HasSubaction(PathOf(hand)) ? there : Place::kNowhere;
   }
   const auto is_no_hand = [this](XrPath path) {
     return std::find(hand_paths_.begin(), hand_paths_.end(), path) == hand_paths_.end();
@@ -75,7 +75,7 @@ bool SessionActions::BindProfile(const Profile& profile) {
   for (const Suggestion& s : suggested->second) {
     const auto bound = bound_.find(s.action.get());
     if (bound == bound_.end()) continue;
-    auto binding = Resolve(profile, choice_.hand, s.action->type, s.path);
+    auto binding = ResolveBinding(profile, choice_.hand, s.action->type, s.path);
     if (!binding) continue;
     bound->second.bindings.push_back({std::move(*binding), s.threshold, {}, false});
     any = true;
@@ -158,7 +158,7 @@ void SessionActions::UpdateLive(const std::vector<ActiveSet>& active) {
       *priority = entry.priority;
       is_active = true;
     }
-    return is_active && (action.subactions.empty() || action.Declares(hand_path()));
+    return is_active && (action.subactions.empty() || action.HasSubaction(hand_path()));
   };
   for (auto& [key, bound] : bound_) {
     std::uint32_t priority = 0;
@@ -259,7 +259,7 @@ void SessionActions::Sync(const SyncInput& input, const RuntimeStates& runtime, 
     AdvanceView(bound.any, action, runtimes_any, pen, bound.place == Place::kSeveral, now);
     bound.any.ours = bound.any.ours || owner_;
     for (const Hand hand : {Hand::kLeft, Hand::kRight}) {
-      if (!action.Declares(PathOf(hand))) continue;
+      if (!action.HasSubaction(PathOf(hand))) continue;
       const bool pens = owner_ && hand == choice_.hand;
       const bool runtimes = !pens;
       const StatePart theirs = input.focused && runtimes ? runtime.Query(action, PathOf(hand)) : StatePart{};
@@ -275,7 +275,7 @@ const SessionActions::Bound* SessionActions::FindBound(const Action& action) con
   return it == bound_.end() ? nullptr : &it->second;
 }
 
-const ActionState* SessionActions::Find(const Action& action, XrPath subaction) const {
+const ActionState* SessionActions::FindState(const Action& action, XrPath subaction) const {
   const Bound* bound = merging_ ? FindBound(action) : nullptr;
   if (!bound) return nullptr;
   if (subaction == XR_NULL_PATH) return bound->any.ours ? &bound->any.state : nullptr;
@@ -302,14 +302,14 @@ int SessionActions::SpaceServedBy(const Action& action, XrPath subaction) const 
   return kServedByNobody;
 }
 
-void SessionActions::Serve(Space& space) const {
+void SessionActions::UpdateServedBy(Space& space) const {
   space.served_by.store(SpaceServedBy(*space.action, space.subaction), std::memory_order_release);
 }
 
 std::vector<std::string> SessionActions::BoundSources(const Action& action) const {
   std::vector<std::string> out;
   const Bound* bound = owner_ ? FindBound(action) : nullptr;
-  if (!bound || (!action.subactions.empty() && !action.Declares(hand_path()))) return out;
+  if (!bound || (!action.subactions.empty() && !action.HasSubaction(hand_path()))) return out;
   for (const LiveBinding& b : bound->bindings)
     if (std::find(out.begin(), out.end(), b.binding.path) == out.end()) out.push_back(b.binding.path);
   return out;
@@ -318,7 +318,7 @@ std::vector<std::string> SessionActions::BoundSources(const Action& action) cons
 bool SessionActions::FeedsSubaction() const {
   return owner_ && std::any_of(bound_.begin(), bound_.end(), [this](const auto& entry) {
            const Bound& bound = entry.second;
-           return bound.active && !bound.bindings.empty() && bound.action->Declares(hand_path());
+           return bound.active && !bound.bindings.empty() && bound.action->HasSubaction(hand_path());
          });
 }
 
@@ -333,11 +333,11 @@ std::vector<XrPath> SessionActions::SubactionsBelow(const Action& action, XrPath
   const Bound* bound = owner_ ? FindBound(action) : nullptr;
   if (!bound) return {subaction};
   if (subaction != XR_NULL_PATH) {
-    const bool pens = subaction == hand_path() && action.Declares(subaction);
+    const bool pens = subaction == hand_path() && action.HasSubaction(subaction);
     return pens ? std::vector<XrPath>{} : std::vector<XrPath>{subaction};
   }
   if (OnlyAtPensHand(*bound)) return {};
-  if (!action.Declares(hand_path())) return {subaction};
+  if (!action.HasSubaction(hand_path())) return {subaction};
   std::vector<XrPath> others = action.subactions;
   others.erase(std::remove(others.begin(), others.end(), hand_path()), others.end());
   return others;

@@ -80,10 +80,10 @@ class SessionActions {
   bool preference_unusable() const { return preference_unusable_; }
 
   // State of (action, subaction) at the last sync; null: the runtime's own answer applies.
-  const ActionState* Find(const Action& action, XrPath subaction) const;
+  const ActionState* FindState(const Action& action, XrPath subaction) const;
 
   // Brings Space::served_by of an action space up to date.
-  void Serve(Space& space) const;
+  void UpdateServedBy(Space& space) const;
 
   // X_TP of a pose that Serve has named. Needs no lock: the profiles are constant.
   const Pose& PosePart(int pose) const { return poses_[static_cast<std::size_t>(pose)]->X_TP; }

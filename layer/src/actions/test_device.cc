@@ -18,7 +18,7 @@ constexpr std::uint64_t kTestInstance = 1;  // no service's: those are random
 
 }  // namespace
 
-bool TestDevice::Wanted() { return protocol::Environment("OMNI_TEST_MODE") == "1"; }
+bool TestDevice::IsEnabled() { return protocol::EnvironmentVariable("OMNI_TEST_MODE") == "1"; }
 
 TestDevice::TestDevice() {
   auto made =
@@ -69,7 +69,7 @@ void TestDevice::SetPose(const Pose& X_BT) {
   Publish();
 }
 
-void TestDevice::Beat() noexcept {
+void TestDevice::RefreshSample() noexcept {
   const std::lock_guard lock(mutex_);
   if (in_control_) Publish();
 }

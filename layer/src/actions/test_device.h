@@ -25,7 +25,7 @@ struct TestInputs {
 class TestDevice {
  public:
   // OMNI_TEST_MODE=1: only then is the extension available.
-  static bool Wanted();
+  static bool IsEnabled();
 
   // Throws std::runtime_error: no memory of that kind.
   TestDevice();
@@ -43,7 +43,7 @@ class TestDevice {
   void SetPose(const Pose& X_BT);
 
   // A sample of now, so that the pen does not count as lost. Any thread; no allocation.
-  void Beat() noexcept;
+  void RefreshSample() noexcept;
 
  private:
   void Publish() noexcept;  // mutex_ held

@@ -26,7 +26,7 @@ namespace {
 constexpr OurExtension kAutomation{XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME, 3, true, nullptr};
 
 const OurExtension* FindOurs(const std::string& name) {
-  if (name == kAutomation.name) return TestDevice::Wanted() ? &kAutomation : nullptr;
+  if (name == kAutomation.name) return TestDevice::IsEnabled() ? &kAutomation : nullptr;
   const auto all = OurExtensions();
   const auto found =
       std::find_if(all.begin(), all.end(), [&](const OurExtension& extension) { return name == extension.name; });
@@ -198,7 +198,7 @@ XrResult CreateApiLayerInstance(const XrInstanceCreateInfo* info, const XrApiLay
   setup.handle = *instance;
   const char* missing = nullptr;
   if (!LoadDispatch(*instance, creation.next->nextGetInstanceProcAddr, setup.next, &missing)) {
-    Log().Line(std::string("not used: the runtime (or next layer) lacks ") + missing);
+    Log().WriteLine(std::string("not used: the runtime (or next layer) lacks ") + missing);
     return StepAside(creation.asked, done, setup.next, instance);
   }
   setup.enabled = creation.asked;
@@ -236,7 +236,7 @@ XrResult EnumerateExtensions(const char* layer_name, uint32_t capacity, uint32_t
   if (!count) return XR_ERROR_VALIDATION_FAILURE;
   if (!layer_name || std::strcmp(layer_name, kLayerName) != 0) {
     // Not for us to answer. The loader adds what the manifest names.
-    const auto below = Registry::Get().Owner(XrSession{});
+    const auto below = Registry::Get().FindOwner(XrSession{});
     if (below && below->runtime.next.EnumerateInstanceExtensionProperties)
       return below->runtime.next.EnumerateInstanceExtensionProperties(layer_name, capacity, count, properties);
     *count = 0;

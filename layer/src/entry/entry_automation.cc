@@ -22,7 +22,7 @@ struct Target {
 
 Target Find(XrSession session, XrPath top_level) {
   Target t;
-  t.instance = Registry::Get().Owner(session);
+  t.instance = Registry::Get().FindOwner(session);
   t.session = t.instance ? t.instance->records.sessions.Find(session) : nullptr;
   if (!t.session) return t;
   t.hand = t.instance->link.choice().hand;
@@ -58,7 +58,7 @@ std::string LocalPath(const Target& t, XrPath source, XrResult* result) {
 const Component* FindScalar(const Profile* profile, Hand hand, const std::string& path) {
   if (!profile) return nullptr;
   for (const Component& c : profile->components)
-    if (c.On(hand) && c.path == path) return &c;
+    if (c.IsOnHand(hand) && c.path == path) return &c;
   return nullptr;
 }
 
@@ -133,7 +133,8 @@ XrResult PlaceTool(const Target& t, const PoseComponent& component, XrSpace spac
   XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, nullptr, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
   const XrTime now = t.instance->clock.ToXr(base::MonotonicNow_ns());
   const BasePose base_pose = t.session->base_pose.At(now);
-  const XrResult result = t.instance->locator.LocateSpace(space, t.session->Anchor(base_pose.space), now, &location);
+  const XrResult result =
+      t.instance->locator.LocateSpace(space, t.session->AnchorSpace(base_pose.space), now, &location);
   if (XR_FAILED(result)) return result;
   if ((location.locationFlags & kValid) != kValid) return XR_ERROR_RUNTIME_FAILURE;
   const Pose X_LP = Compose(FromXr(location.pose), FromXr(pose));

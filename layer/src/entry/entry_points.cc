@@ -65,7 +65,7 @@ XRAPI_ATTR XrResult XRAPI_CALL GetInstanceProcAddr(XrInstance instance, const ch
     if (!record) return XR_ERROR_HANDLE_INVALID;
     for (const OwnFunction& own : OwnFunctions()) {
       if (std::strcmp(name, own.name) != 0) continue;
-      if (!record->runtime.Enabled(own.extension)) return XR_ERROR_FUNCTION_UNSUPPORTED;
+      if (!record->runtime.HasExtension(own.extension)) return XR_ERROR_FUNCTION_UNSUPPORTED;
       *function = own.function;
       return XR_SUCCESS;
     }

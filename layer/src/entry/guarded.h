@@ -25,7 +25,7 @@ XrResult Guarded(Body body) noexcept {
 inline std::shared_ptr<Instance> InstanceOf(XrInstance instance) { return Registry::Get().Find(instance); }
 template <class Handle>
 std::shared_ptr<Instance> InstanceOf(Handle handle) {
-  return Registry::Get().Owner(handle);
+  return Registry::Get().FindOwner(handle);
 }
 
 template <class Part, class... Arguments>
@@ -45,7 +45,7 @@ struct Entry<XrResult(XRAPI_PTR*)(Handle, Arguments...), kMethod> {
       Part& part = std::get<Part&>(instance->Parts());
       constexpr bool kPolls = std::is_same_v<Part, HapticScenes> || std::is_same_v<Part, ForceFeedbacks> ||
                               std::is_same_v<Part, Vibrations>;
-      if constexpr (kPolls) instance->Alive();
+      if constexpr (kPolls) instance->KeepAlive();
       XrResult result = XR_SUCCESS;
       if constexpr (std::is_same_v<Handle, XrInstance>) {
         result = (part.*kMethod)(arguments...);

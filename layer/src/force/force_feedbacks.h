@@ -48,15 +48,15 @@ class ForceFeedbacks {
   XrResult Stop(XrForceFeedbackOMNIX1 force);
 
   // force_queries.cc
-  XrResult Properties(XrForceFeedbackOMNIX1 force, const XrForceFeedbackPropertiesGetInfoOMNIX1* info,
-                      XrForceFeedbackPropertiesOMNIX1* properties);
-  XrResult State(XrForceFeedbackOMNIX1 force, const XrForceFeedbackStateGetInfoOMNIX1* info,
-                 XrForceFeedbackStateOMNIX1* state);
+  XrResult GetProperties(XrForceFeedbackOMNIX1 force, const XrForceFeedbackPropertiesGetInfoOMNIX1* info,
+                         XrForceFeedbackPropertiesOMNIX1* properties);
+  XrResult GetState(XrForceFeedbackOMNIX1 force, const XrForceFeedbackStateGetInfoOMNIX1* info,
+                    XrForceFeedbackStateOMNIX1* state);
 
   // Constraints follow their spaces, and are sent again to a service that has restarted.
   void FollowConstraints();
   // Queues an event for each change of state.
-  void Watch();
+  void QueueStateEvents();
   void OnFocusLost(const Session& session);
   void ForgetSpace(XrSpace space);
   void EndOf(XrSession session);

@@ -53,8 +53,8 @@ XrResult CheckQuery(const GetInfo* info, XrStructureType info_type, const Out* o
 
 // The next layer never sees our structures.
 XrResult Instance::GetSystemProperties(XrSystemId system, XrSystemProperties* properties) {
-  Alive();
-  if (!properties || !runtime.Enabled(XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME))
+  KeepAlive();
+  if (!properties || !runtime.HasExtension(XR_OMNIX1_FORCE_FEEDBACK_EXTENSION_NAME))
     return runtime.next.GetSystemProperties(runtime.handle, system, properties);
   auto* before = reinterpret_cast<XrBaseOutStructure*>(properties);
   while (before->next && before->next->type != XR_TYPE_SYSTEM_FORCE_FEEDBACK_PROPERTIES_OMNIX1) before = before->next;
@@ -69,8 +69,9 @@ XrResult Instance::GetSystemProperties(XrSystemId system, XrSystemProperties* pr
   return result;
 }
 
-XrResult ForceFeedbacks::Properties(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackPropertiesGetInfoOMNIX1* info,
-                                    XrForceFeedbackPropertiesOMNIX1* properties) {
+XrResult ForceFeedbacks::GetProperties(XrForceFeedbackOMNIX1 handle_in,
+                                       const XrForceFeedbackPropertiesGetInfoOMNIX1* info,
+                                       XrForceFeedbackPropertiesOMNIX1* properties) {
   const auto force = forces_.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
   if (const XrResult result = CheckQuery(info, XR_TYPE_FORCE_FEEDBACK_PROPERTIES_GET_INFO_OMNIX1, properties,
@@ -92,7 +93,8 @@ XrResult ForceFeedbacks::Properties(XrForceFeedbackOMNIX1 handle_in, const XrFor
   Located workspace;
   workspace.motion.X = WorkspaceInBase();
   workspace.flags = kValid | kTracked;
-  Write(Chain(Invert(X_OS), workspace), {&properties->workspaceLocationFlags, &properties->workspacePose}, {});
+  WriteLocation(Compose(Inverse(X_OS), workspace), {&properties->workspaceLocationFlags, &properties->workspacePose},
+                {});
   properties->innerRadius = static_cast<float>(can.inner_radius_m);
   properties->outerRadius = static_cast<float>(can.outer_radius_m);
   if (!fits) return XR_ERROR_SIZE_INSUFFICIENT;
@@ -100,8 +102,8 @@ XrResult ForceFeedbacks::Properties(XrForceFeedbackOMNIX1 handle_in, const XrFor
   return XR_SUCCESS;
 }
 
-XrResult ForceFeedbacks::State(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackStateGetInfoOMNIX1* info,
-                               XrForceFeedbackStateOMNIX1* state) {
+XrResult ForceFeedbacks::GetState(XrForceFeedbackOMNIX1 handle_in, const XrForceFeedbackStateGetInfoOMNIX1* info,
+                                  XrForceFeedbackStateOMNIX1* state) {
   const auto force = forces_.Find(handle_in);
   if (!force) return XR_ERROR_HANDLE_INVALID;
   if (const XrResult result =
@@ -117,7 +119,7 @@ XrResult ForceFeedbacks::State(XrForceFeedbackOMNIX1 handle_in, const XrForceFee
   protocol::ToolSample after;
   const auto reader = link_.reader();
   const std::int64_t time_ns = clock_.ToMonotonic(info->time);
-  const bool any = reader && reader->Newest(newest) && reader->Around(time_ns, then, after);
+  const bool any = reader && reader->ReadNewest(newest) && reader->ReadAround(time_ns, then, after);
   const ForceStatus status = StatusOf({.focused = force->session->focused,
                                        .standing = link_.force_standing(),
                                        .fresh = any && base::MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
@@ -138,14 +140,14 @@ XrResult ForceFeedbacks::State(XrForceFeedbackOMNIX1 handle_in, const XrForceFee
 ForceStatus ForceFeedbacks::StatusNow(const Session& session) {
   protocol::ToolSample newest;
   const auto reader = link_.reader();
-  const bool any = reader && reader->Newest(newest);
+  const bool any = reader && reader->ReadNewest(newest);
   return StatusOf({.focused = session.focused,
                    .standing = link_.force_standing(),
                    .fresh = any && base::MonotonicNow_ns() - newest.t_ns <= kPresenceTimeout_ns,
                    .sample = any ? &newest : nullptr});
 }
 
-void ForceFeedbacks::Watch() {
+void ForceFeedbacks::QueueStateEvents() {
   for (const auto& force : forces_.Values()) {
     const std::int64_t now_ns = base::MonotonicNow_ns();
     const ForceStatus now = StatusNow(*force->session);

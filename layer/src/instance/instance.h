@@ -84,8 +84,8 @@ class Instance {
   void OnLoss();
 
   // Updates the heartbeat and, when due, polls the socket. Not from xrLocateSpace, which makes no system call.
-  void Alive() {
-    link.Beat();
+  void KeepAlive() {
+    link.SignalAlive();
     link.Poll(base::MonotonicNow_ns());
     alignment.Poll();
   }

@@ -31,7 +31,7 @@ Log::Log(const std::string& where) {
   fd_ = where == "1" ? STDERR_FILENO : file_.get();
 }
 
-void Log::Line(const std::string& text) {
+void Log::WriteLine(const std::string& text) {
   if (fd_ < 0) return;
   const std::lock_guard lock(mutex_);
   const std::int64_t now = base::MonotonicNow_ns();

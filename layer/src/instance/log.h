@@ -14,12 +14,12 @@ namespace omni::layer {
 class Log {
  public:
   // A new file is private to this user. Only regular files are written to, no link, FIFO or device.
-  explicit Log(const std::string& where = protocol::Environment("OMNI_LAYER_LOG"));
+  explicit Log(const std::string& where = protocol::EnvironmentVariable("OMNI_LAYER_LOG"));
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
 
   // At most kLinesPerPeriod in kPeriod_ns; what is dropped is counted in the next line.
-  void Line(const std::string& text);
+  void WriteLine(const std::string& text);
 
  private:
   void Write(const std::string& text) const;

@@ -32,7 +32,9 @@ struct Action {
   std::vector<XrPath> subactions;
   std::atomic<bool> destroyed{false};  // its handle is invalid and must not be passed down
   std::atomic<bool> withdrawn{false};  // destroyed before its set was attached: it feeds nothing
-  bool Declares(XrPath path) const { return std::find(subactions.begin(), subactions.end(), path) != subactions.end(); }
+  bool HasSubaction(XrPath path) const {
+    return std::find(subactions.begin(), subactions.end(), path) != subactions.end();
+  }
 };
 
 // Who serves an action space. Set at xrSyncActions and at creation, read by xrLocateSpace.

@@ -32,7 +32,7 @@ class Registry {
   // The instance that made this handle. An unknown handle (made by a function that we do not intercept, or invalid) is
   // left to the runtime: it goes down through the newest instance. Null: there is no instance.
   template <class Handle>
-  std::shared_ptr<Instance> Owner(Handle handle) const {
+  std::shared_ptr<Instance> FindOwner(Handle handle) const {
     const std::shared_lock lock(mutex_);
     if (instances_.empty()) return nullptr;
     if (instances_.size() == 1) return instances_.front();

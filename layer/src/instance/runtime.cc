@@ -33,7 +33,7 @@ Runtime::Runtime(XrInstance instance, const Dispatch& functions, std::vector<std
       only_ours_(std::move(only_ours)),
       enabled_below_(Without(enabled_, only_ours_)) {}
 
-bool Runtime::Enabled(std::string_view extension) const { return Contains(enabled_, extension); }
+bool Runtime::HasExtension(std::string_view extension) const { return Contains(enabled_, extension); }
 
 bool Runtime::OnlyOurs(std::string_view extension) const { return Contains(only_ours_, extension); }
 

@@ -24,7 +24,7 @@ class Runtime {
   const std::array<XrPath, 2> hand_paths;  // by Hand
 
   // An extension that the application enabled, or "1.1".
-  bool Enabled(std::string_view extension) const;
+  bool HasExtension(std::string_view extension) const;
   bool OnlyOurs(std::string_view extension) const;  // enabled, and unknown below
   // All that the application enabled, and those of them that the runtime knows.
   const std::vector<std::string>& enabled() const noexcept { return enabled_; }

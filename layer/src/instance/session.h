@@ -11,7 +11,7 @@
 
 namespace omni::layer {
 
-// Spaces in which the base's placement can be given, the most stable first: STAGE is rarely recentred.
+// Spaces in which the base's pose can be given, the most stable first: STAGE is rarely recentred.
 inline constexpr std::array kAnchorTypes{XR_REFERENCE_SPACE_TYPE_STAGE,
                                          static_cast<XrReferenceSpaceType>(kReferenceSpaceTypeLocalFloor),
                                          XR_REFERENCE_SPACE_TYPE_LOCAL};
@@ -30,12 +30,12 @@ class Session {
   // A space of ours at the natural origin of each of kAnchorTypes that the runtime offers; else XR_NULL_HANDLE. Made
   // with the session, fixed from then on.
   std::array<XrSpace, kAnchorTypes.size()> anchors{};
-  XrSpace Anchor(XrReferenceSpaceType type) const {
+  XrSpace AnchorSpace(XrReferenceSpaceType type) const {
     for (std::size_t i = 0; i < kAnchorTypes.size(); ++i)
       if (kAnchorTypes[i] == type) return anchors[i];
     return XR_NULL_HANDLE;
   }
-  // The most stable one offered, the best for measuring a new placement. LOCAL if nothing is.
+  // The most stable one offered, the best for measuring a new base pose. LOCAL if nothing is.
   XrReferenceSpaceType PreferredAnchor() const {
     for (std::size_t i = 0; i < kAnchorTypes.size(); ++i)
       if (anchors[i] != XR_NULL_HANDLE) return kAnchorTypes[i];

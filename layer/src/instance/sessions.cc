@@ -8,7 +8,7 @@ namespace omni::layer {
 
 XrResult Instance::CreateSession(const XrSessionCreateInfo* info, XrSession* session) {
   const XrResult result = runtime.next.CreateSession(runtime.handle, info, session);
-  Alive();
+  KeepAlive();
   if (XR_FAILED(result)) return result;
   auto record = std::make_shared<Session>(*session, profiles, link.choice(), runtime.hand_paths);
   locator.MakeAnchors(*record);
@@ -35,7 +35,7 @@ XrResult Instance::DestroySession(XrSession session) {
 
 XrResult Instance::BeginSession(XrSession session, const XrSessionBeginInfo* info) {
   const XrResult result = runtime.next.BeginSession(session, info);
-  Alive();
+  KeepAlive();
   if (XR_FAILED(result)) return result;
   if (const auto record = records.sessions.Find(session)) {
     record->running = true;
@@ -46,7 +46,7 @@ XrResult Instance::BeginSession(XrSession session, const XrSessionBeginInfo* inf
 
 XrResult Instance::EndSession(XrSession session) {
   const XrResult result = runtime.next.EndSession(session);
-  Alive();
+  KeepAlive();
   if (XR_FAILED(result)) return result;
   if (const auto record = records.sessions.Find(session)) {
     SetFocus(*record, false);
@@ -108,7 +108,7 @@ XrResult Instance::PollBelow(XrEventDataBuffer* event) {
 
 XrResult Instance::PollEvent(XrEventDataBuffer* event) {
   const XrResult result = PollBelow(event);
-  Alive();
+  KeepAlive();
   haptic_scenes.Poll();
   if (result == XR_SUCCESS && event) {
     if (event->type == XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) {
@@ -132,7 +132,7 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
     return result;
   }
   if (result != XR_EVENT_UNAVAILABLE || !event) return result;
-  force_feedbacks.Watch();
+  force_feedbacks.QueueStateEvents();
   XrSession due = XR_NULL_HANDLE;
   records.sessions.ForEach([&](Session& session) {
     if (due == XR_NULL_HANDLE && session.running && session.profile_event_due.exchange(false)) due = session.handle;
@@ -158,7 +158,7 @@ XrResult Instance::PollEvent(XrEventDataBuffer* event) {
 
 XrResult Instance::SyncActions(XrSession session, const XrActionsSyncInfo* info) {
   const XrResult result = runtime.next.SyncActions(session, info);
-  Alive();
+  KeepAlive();
   const auto record = records.sessions.Find(session);
   if (XR_FAILED(result) || !record) return result;
   const std::int64_t now = base::MonotonicNow_ns();
@@ -166,15 +166,15 @@ XrResult Instance::SyncActions(XrSession session, const XrActionsSyncInfo* info)
   const bool focused = result != XR_SESSION_NOT_FOCUSED;
   if (record->running) SetFocus(*record, focused);
   force_feedbacks.FollowConstraints();
-  force_feedbacks.Watch();
+  force_feedbacks.QueueStateEvents();
   input.Sync(*record, *info, focused, now);
-  render_models.Follow(record);
+  render_models.UpdateAfterSync(record);
   return result;
 }
 
 XrResult Instance::DestroySpace(XrSpace space) {
   const XrResult result = runtime.next.DestroySpace(space);
-  link.Beat();
+  link.SignalAlive();
   if (XR_SUCCEEDED(result)) {
     force_feedbacks.ForgetSpace(space);
     haptic_scenes.ForgetSpace(space);
@@ -186,14 +186,14 @@ XrResult Instance::DestroySpace(XrSpace space) {
 XrResult Instance::WaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameState* state) {
   const XrResult result = runtime.next.WaitFrame(session, info, state);
   const std::int64_t now = base::MonotonicNow_ns();
-  Alive();
+  KeepAlive();
   clock.Refresh(now);
   if (XR_SUCCEEDED(result) && state) {
     clock.OnFrame(*state, now);
     haptic_scenes.FollowSpace(session, state->predictedDisplayTime);
   }
   force_feedbacks.FollowConstraints();
-  force_feedbacks.Watch();
+  force_feedbacks.QueueStateEvents();
   return result;
 }
 

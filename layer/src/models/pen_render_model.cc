@@ -74,7 +74,7 @@ XrResult RenderModels::CheckUserPaths(const XrInteractionRenderModelTopLevelUser
 XrResult RenderModels::GetRenderModelPropertiesEXT(XrRenderModelEXT model,
                                                    const XrRenderModelPropertiesGetInfoEXT* info,
                                                    XrRenderModelPropertiesEXT* properties) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto below = runtime_.next.GetRenderModelPropertiesEXT;
   const auto pen = FindPen(model);
   if (!pen) return below ? below(model, info, properties) : XR_ERROR_HANDLE_INVALID;
@@ -90,7 +90,7 @@ XrResult RenderModels::GetRenderModelPropertiesEXT(XrRenderModelEXT model,
 
 XrResult RenderModels::GetRenderModelStateEXT(XrRenderModelEXT model, const XrRenderModelStateGetInfoEXT* info,
                                               XrRenderModelStateEXT* state) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto below = runtime_.next.GetRenderModelStateEXT;
   if (!FindPen(model)) return below ? below(model, info, state) : XR_ERROR_HANDLE_INVALID;
   if (!info || info->type != XR_TYPE_RENDER_MODEL_STATE_GET_INFO_EXT || !state ||
@@ -98,7 +98,7 @@ XrResult RenderModels::GetRenderModelStateEXT(XrRenderModelEXT model, const XrRe
     return XR_ERROR_VALIDATION_FAILURE;
   if (!(info->displayTime > 0)) return XR_ERROR_TIME_INVALID;
   protocol::InputSnapshot inputs;
-  if (const auto reader = link_.reader(); reader && !reader->Inputs(inputs)) inputs = {};
+  if (const auto reader = link_.reader(); reader && !reader->ReadInputs(inputs)) inputs = {};
   std::transform(kPenParts.begin(), kPenParts.end(), state->nodeStates,
                  [&](const PenPart& part) { return StateOf(part, inputs); });
   return XR_SUCCESS;
@@ -107,7 +107,7 @@ XrResult RenderModels::GetRenderModelStateEXT(XrRenderModelEXT model, const XrRe
 // Only an id that this session has returned is good.
 XrResult RenderModels::CreateRenderModelAssetEXT(XrSession session, const XrRenderModelAssetCreateInfoEXT* info,
                                                  XrRenderModelAssetEXT* asset) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto record = records_.sessions.Find(session);
   const auto below = runtime_.next.CreateRenderModelAssetEXT;
   const bool readable = info && info->type == XR_TYPE_RENDER_MODEL_ASSET_CREATE_INFO_EXT && asset;
@@ -125,7 +125,7 @@ XrResult RenderModels::CreateRenderModelAssetEXT(XrSession session, const XrRend
 }
 
 XrResult RenderModels::DestroyRenderModelAssetEXT(XrRenderModelAssetEXT asset) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto below = runtime_.next.DestroyRenderModelAssetEXT;
   if (!assets_.Contains(asset)) return below ? below(asset) : XR_ERROR_HANDLE_INVALID;
   assets_.Erase(asset);
@@ -135,7 +135,7 @@ XrResult RenderModels::DestroyRenderModelAssetEXT(XrRenderModelAssetEXT asset) {
 XrResult RenderModels::GetRenderModelAssetDataEXT(XrRenderModelAssetEXT asset,
                                                   const XrRenderModelAssetDataGetInfoEXT* info,
                                                   XrRenderModelAssetDataEXT* data) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto below = runtime_.next.GetRenderModelAssetDataEXT;
   if (!assets_.Contains(asset)) return below ? below(asset, info, data) : XR_ERROR_HANDLE_INVALID;
   if (!Readable(info, XR_TYPE_RENDER_MODEL_ASSET_DATA_GET_INFO_EXT) || !data ||
@@ -148,7 +148,7 @@ XrResult RenderModels::GetRenderModelAssetDataEXT(XrRenderModelAssetEXT asset,
 XrResult RenderModels::GetRenderModelAssetPropertiesEXT(XrRenderModelAssetEXT asset,
                                                         const XrRenderModelAssetPropertiesGetInfoEXT* info,
                                                         XrRenderModelAssetPropertiesEXT* properties) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto below = runtime_.next.GetRenderModelAssetPropertiesEXT;
   if (!assets_.Contains(asset)) return below ? below(asset, info, properties) : XR_ERROR_HANDLE_INVALID;
   if (!Readable(info, XR_TYPE_RENDER_MODEL_ASSET_PROPERTIES_GET_INFO_EXT) || !properties ||

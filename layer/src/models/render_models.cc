@@ -92,8 +92,8 @@ void RenderModels::FollowPen(XrSession session, bool owns_hand, Models& models) 
   models.pen = owns_hand ? NewId(models) : XR_NULL_RENDER_MODEL_ID_EXT;
 }
 
-void RenderModels::Follow(const std::shared_ptr<Session>& session) {
-  if (!runtime_.Enabled(XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME)) return;
+void RenderModels::UpdateAfterSync(const std::shared_ptr<Session>& session) {
+  if (!runtime_.HasExtension(XR_EXT_INTERACTION_RENDER_MODEL_EXTENSION_NAME)) return;
   const XrPath pens_hand = PensHand(*session);
   const std::lock_guard lock(mutex_);
   Models& models = sessions_[session->handle];
@@ -126,7 +126,7 @@ XrResult RenderModels::EnumerateInteractionRenderModelIdsEXT(XrSession session,
                                                              const XrInteractionRenderModelIdsEnumerateInfoEXT* info,
                                                              uint32_t capacity, uint32_t* count,
                                                              XrRenderModelIdEXT* ids) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto record = records_.sessions.Find(session);
   const auto below = runtime_.next.EnumerateInteractionRenderModelIdsEXT;
   if (!below && !record) return XR_ERROR_HANDLE_INVALID;
@@ -157,7 +157,7 @@ XrResult RenderModels::EnumerateInteractionRenderModelIdsEXT(XrSession session,
 
 XrResult RenderModels::CreateRenderModelEXT(XrSession session, const XrRenderModelCreateInfoEXT* info,
                                             XrRenderModelEXT* model) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto record = records_.sessions.Find(session);
   const auto below = runtime_.next.CreateRenderModelEXT;
   const bool readable = info && info->type == XR_TYPE_RENDER_MODEL_CREATE_INFO_EXT && model &&
@@ -185,7 +185,7 @@ XrResult RenderModels::CreateRenderModelEXT(XrSession session, const XrRenderMod
 }
 
 XrResult RenderModels::DestroyRenderModelEXT(XrRenderModelEXT model) {
-  link_.Beat();
+  link_.SignalAlive();
   if (const auto pen = FindPen(model)) {
     const std::lock_guard lock(mutex_);
     Hide(*pen);
@@ -200,7 +200,7 @@ XrResult RenderModels::DestroyRenderModelEXT(XrRenderModelEXT model) {
 
 XrResult RenderModels::CreateRenderModelSpaceEXT(XrSession session, const XrRenderModelSpaceCreateInfoEXT* info,
                                                  XrSpace* space) {
-  link_.Beat();
+  link_.SignalAlive();
   const bool readable = info && info->type == XR_TYPE_RENDER_MODEL_SPACE_CREATE_INFO_EXT && space;
   const auto below = runtime_.next.CreateRenderModelSpaceEXT;
   const auto pen = readable ? FindPen(info->renderModel) : nullptr;
@@ -229,7 +229,7 @@ XrResult RenderModels::CreateRenderModelSpaceEXT(XrSession session, const XrRend
 XrResult RenderModels::EnumerateRenderModelSubactionPathsEXT(XrRenderModelEXT model,
                                                              const XrInteractionRenderModelSubactionPathInfoEXT* info,
                                                              uint32_t capacity, uint32_t* count, XrPath* paths) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto record = handles_.Find(model);
   const auto below = runtime_.next.EnumerateRenderModelSubactionPathsEXT;
   if (!below && (!record || !record->pens())) return XR_ERROR_HANDLE_INVALID;
@@ -245,7 +245,7 @@ XrResult RenderModels::EnumerateRenderModelSubactionPathsEXT(XrRenderModelEXT mo
 
 XrResult RenderModels::GetRenderModelPoseTopLevelUserPathEXT(
     XrRenderModelEXT model, const XrInteractionRenderModelTopLevelUserPathGetInfoEXT* info, XrPath* path) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto record = handles_.Find(model);
   const auto below = runtime_.next.GetRenderModelPoseTopLevelUserPathEXT;
   if (record && record->pens()) {
@@ -268,7 +268,7 @@ XrResult RenderModels::GetRenderModelPoseTopLevelUserPathEXT(
 XrResult RenderModels::GetControllerModelKeyMSFT(XrSession session, XrPath user_path,
                                                  XrControllerModelKeyStateMSFT* state) {
   const XrResult result = runtime_.next.GetControllerModelKeyMSFT(session, user_path, state);
-  link_.Beat();
+  link_.SignalAlive();
   const auto record = XR_SUCCEEDED(result) ? records_.sessions.Find(session) : nullptr;
   if (record && user_path == PensHand(*record)) state->modelKey = XR_NULL_CONTROLLER_MODEL_KEY_MSFT;
   return result;
@@ -284,7 +284,7 @@ bool RenderModels::IsPensModelFB(XrSession session, XrPath path) const {
 
 XrResult RenderModels::EnumerateRenderModelPathsFB(XrSession session, uint32_t capacity, uint32_t* count,
                                                    XrRenderModelPathInfoFB* paths) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto record = records_.sessions.Find(session);
   if (!record || PensHand(*record) == XR_NULL_PATH)
     return runtime_.next.EnumerateRenderModelPathsFB(session, capacity, count, paths);
@@ -303,7 +303,7 @@ XrResult RenderModels::EnumerateRenderModelPathsFB(XrSession session, uint32_t c
 XrResult RenderModels::GetRenderModelPropertiesFB(XrSession session, XrPath path,
                                                   XrRenderModelPropertiesFB* properties) {
   const XrResult result = runtime_.next.GetRenderModelPropertiesFB(session, path, properties);
-  link_.Beat();
+  link_.SignalAlive();
   if (XR_FAILED(result) || !IsPensModelFB(session, path)) return result;
   properties->vendorId = 0;
   properties->modelName[0] = '\0';

@@ -72,7 +72,7 @@ class RenderModels {
   XrResult GetRenderModelPropertiesFB(XrSession session, XrPath path, XrRenderModelPropertiesFB* properties);
 
   // After each sync, the only moment at which the models change.
-  void Follow(const std::shared_ptr<Session>& session);
+  void UpdateAfterSync(const std::shared_ptr<Session>& session);
   void EndOf(XrSession session);
 
   // XrEventDataInteractionRenderModelsChangedEXT: due by our own changes. The runtime's event says the same.

@@ -194,14 +194,14 @@ void HapticScenes::End() {
   protocol::HapticSceneEnd end;
   end.number = scene_->number;
   const bool surfaces = scene_->surfaces_asked;
-  link_.With([&](client::Connection& connection) {
+  link_.WithConnection([&](client::Connection& connection) {
     connection.Send(end);
     if (surfaces) connection.RequestSurfaces(false);
   });
   scene_ = nullptr;
 }
 
-XrResult HapticScenes::State(XrHapticSceneOMNIX1 handle, XrHapticSceneStateOMNIX1* state) {
+XrResult HapticScenes::GetState(XrHapticSceneOMNIX1 handle, XrHapticSceneStateOMNIX1* state) {
   if (!state || state->type != XR_TYPE_HAPTIC_SCENE_STATE_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
   Poll();
   return WithScene(handle, Need::kHandle, [&](const HapticScene& scene) {
@@ -216,11 +216,11 @@ XrResult HapticScenes::State(XrHapticSceneOMNIX1 handle, XrHapticSceneStateOMNIX
   });
 }
 
-XrResult HapticScenes::Diagnostics(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint32_t* count, char* text) {
+XrResult HapticScenes::GetDiagnostics(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint32_t* count, char* text) {
   if (!count || (capacity > 0 && !text)) return XR_ERROR_VALIDATION_FAILURE;
   Poll();
   return WithScene(handle, Need::kHandle, [&](const HapticScene& scene) {
-    const std::string waiting = link_.With([](client::Connection& connection) {
+    const std::string waiting = link_.WithConnection([](client::Connection& connection) {
       return connection.connected() ? std::string("being built\n")
                                     : "waiting for omnid: " + connection.last_error() + "\n";
     });
@@ -229,7 +229,7 @@ XrResult HapticScenes::Diagnostics(XrHapticSceneOMNIX1 handle, uint32_t capacity
   });
 }
 
-XrResult HapticScenes::Place(XrHapticSceneOMNIX1 handle, const XrHapticScenePlacementOMNIX1* placement) {
+XrResult HapticScenes::SetPlacement(XrHapticSceneOMNIX1 handle, const XrHapticScenePlacementOMNIX1* placement) {
   if (!placement || placement->type != XR_TYPE_HAPTIC_SCENE_PLACEMENT_OMNIX1 || !std::isfinite(placement->scale)) {
     return XR_ERROR_VALIDATION_FAILURE;
   }
@@ -291,7 +291,7 @@ void HapticScenes::ForgetSpace(XrSpace space) {
     scene_->placement->base = XR_NULL_HANDLE;
 }
 
-XrResult HapticScenes::Enable(XrHapticSceneOMNIX1 handle, XrBool32 enabled) {
+XrResult HapticScenes::SetEnabled(XrHapticSceneOMNIX1 handle, XrBool32 enabled) {
   return WithScene(handle, Need::kUsable, [&](HapticScene& scene) {
     scene.enabled = enabled != XR_FALSE;
     protocol::HapticSceneEnable message;

@@ -74,19 +74,21 @@ class HapticScenes {
   // haptic_scene.cc
   XrResult Create(XrSession session, const XrHapticSceneCreateInfoOMNIX1* info, XrHapticSceneOMNIX1* scene);
   XrResult Destroy(XrHapticSceneOMNIX1 scene);
-  XrResult State(XrHapticSceneOMNIX1 scene, XrHapticSceneStateOMNIX1* state);
-  XrResult Diagnostics(XrHapticSceneOMNIX1 scene, uint32_t capacity, uint32_t* count, char* text);
-  XrResult Place(XrHapticSceneOMNIX1 scene, const XrHapticScenePlacementOMNIX1* placement);
-  XrResult Enable(XrHapticSceneOMNIX1 scene, XrBool32 enabled);
+  XrResult GetState(XrHapticSceneOMNIX1 scene, XrHapticSceneStateOMNIX1* state);
+  XrResult GetDiagnostics(XrHapticSceneOMNIX1 scene, uint32_t capacity, uint32_t* count, char* text);
+  XrResult SetPlacement(XrHapticSceneOMNIX1 scene, const XrHapticScenePlacementOMNIX1* placement);
+  XrResult SetEnabled(XrHapticSceneOMNIX1 scene, XrBool32 enabled);
   XrResult SetMaterial(XrHapticSceneOMNIX1 scene, uint32_t material, const XrHapticMaterialOMNIX1* wanted);
   XrResult MoveNodes(XrHapticSceneOMNIX1 scene, const XrHapticNodesUpdateInfoOMNIX1* info);
 
   // haptic_scene_queries.cc
-  XrResult Nodes(XrHapticSceneOMNIX1 scene, uint32_t capacity, uint32_t* count, XrHapticSceneNodeOMNIX1* nodes);
-  XrResult Material(XrHapticSceneOMNIX1 scene, uint32_t material, XrHapticMaterialOMNIX1* out);
-  XrResult Contacts(XrHapticSceneOMNIX1 scene, const XrHapticContactsGetInfoOMNIX1* info, uint32_t capacity,
-                    uint32_t* count, XrHapticContactOMNIX1* contacts);
-  XrResult Mesh(XrHapticSceneOMNIX1 scene, const XrHapticNodeMeshGetInfoOMNIX1* info, XrHapticNodeMeshOMNIX1* mesh);
+  XrResult EnumerateNodes(XrHapticSceneOMNIX1 scene, uint32_t capacity, uint32_t* count,
+                          XrHapticSceneNodeOMNIX1* nodes);
+  XrResult GetMaterial(XrHapticSceneOMNIX1 scene, uint32_t material, XrHapticMaterialOMNIX1* out);
+  XrResult EnumerateContacts(XrHapticSceneOMNIX1 scene, const XrHapticContactsGetInfoOMNIX1* info, uint32_t capacity,
+                             uint32_t* count, XrHapticContactOMNIX1* contacts);
+  XrResult GetNodeMesh(XrHapticSceneOMNIX1 scene, const XrHapticNodeMeshGetInfoOMNIX1* info,
+                       XrHapticNodeMeshOMNIX1* mesh);
 
   // Handles the service's messages and sends what it does not have yet; events go to the instance's queue.
   void Poll();
@@ -114,7 +116,7 @@ class HapticScenes {
   XrResult Locate(XrHapticSceneOMNIX1 handle, Need need, XrSpace space, XrTime time, Located& X_OS);
   template <class Message>
   void Send(const Message& message) {
-    link_.With([&](client::Connection& connection) { connection.Send(message); });
+    link_.WithConnection([&](client::Connection& connection) { connection.Send(message); });
   }
 
   // All with the mutex held.

@@ -95,7 +95,7 @@ void HapticScenes::HandleUpdates() {
     std::uint64_t welcomes = 0;
     std::vector<client::HapticSceneUpdate> updates;
   };
-  News news = link_.With([](client::Connection& connection) {
+  News news = link_.WithConnection([](client::Connection& connection) {
     return News{connection.connected(), connection.welcomes(), connection.PopHapticSceneUpdates()};
   });
   const bool failed = scene_->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1;
@@ -122,7 +122,7 @@ void HapticScenes::HandleUpdates() {
 // All of it, once per connection: what cannot be sent is retried at the next poll.
 void HapticScenes::NotifyAll() {
   if (scene_->status == XR_HAPTIC_SCENE_STATUS_FAILED_OMNIX1) return;
-  scene_->sent = link_.With([this](client::Connection& connection) -> std::uint64_t {
+  scene_->sent = link_.WithConnection([this](client::Connection& connection) -> std::uint64_t {
     if (!connection.connected() || scene_->sent == connection.welcomes()) return scene_->sent;
     protocol::HapticSceneLoad load;
     load.number = scene_->number;

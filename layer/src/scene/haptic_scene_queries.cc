@@ -87,8 +87,8 @@ XrResult Put(const client::SurfaceCopy& copy, double scale, XrHapticNodeMeshOMNI
 
 }  // namespace
 
-XrResult HapticScenes::Nodes(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint32_t* count,
-                             XrHapticSceneNodeOMNIX1* nodes) {
+XrResult HapticScenes::EnumerateNodes(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint32_t* count,
+                                      XrHapticSceneNodeOMNIX1* nodes) {
   if (!count || (capacity > 0 && !nodes)) return XR_ERROR_VALIDATION_FAILURE;
   Poll();
   return WithScene(handle, Need::kReady, [&](const HapticScene& scene) {
@@ -107,7 +107,7 @@ XrResult HapticScenes::Nodes(XrHapticSceneOMNIX1 handle, uint32_t capacity, uint
   });
 }
 
-XrResult HapticScenes::Material(XrHapticSceneOMNIX1 handle, uint32_t index, XrHapticMaterialOMNIX1* out) {
+XrResult HapticScenes::GetMaterial(XrHapticSceneOMNIX1 handle, uint32_t index, XrHapticMaterialOMNIX1* out) {
   if (!out || out->type != XR_TYPE_HAPTIC_MATERIAL_OMNIX1) return XR_ERROR_VALIDATION_FAILURE;
   Poll();
   return WithScene(handle, Need::kReady, [&](const HapticScene& scene) {
@@ -118,8 +118,8 @@ XrResult HapticScenes::Material(XrHapticSceneOMNIX1 handle, uint32_t index, XrHa
   });
 }
 
-XrResult HapticScenes::Contacts(XrHapticSceneOMNIX1 handle, const XrHapticContactsGetInfoOMNIX1* info,
-                                uint32_t capacity, uint32_t* count, XrHapticContactOMNIX1* contacts) {
+XrResult HapticScenes::EnumerateContacts(XrHapticSceneOMNIX1 handle, const XrHapticContactsGetInfoOMNIX1* info,
+                                         uint32_t capacity, uint32_t* count, XrHapticContactOMNIX1* contacts) {
   if (!info || info->type != XR_TYPE_HAPTIC_CONTACTS_GET_INFO_OMNIX1 || !count || (capacity > 0 && !contacts))
     return XR_ERROR_VALIDATION_FAILURE;
   if (info->time <= 0) return XR_ERROR_TIME_INVALID;
@@ -131,7 +131,7 @@ XrResult HapticScenes::Contacts(XrHapticSceneOMNIX1 handle, const XrHapticContac
     const std::uint64_t generation = scene.state.generation;
     protocol::ContactSnapshot snapshot;
     const auto reader = link_.reader();
-    const bool known = generation != 0 && (X_OS.flags & kValid) == kValid && reader && reader->Contacts(snapshot) &&
+    const bool known = generation != 0 && (X_OS.flags & kValid) == kValid && reader && reader->ReadContacts(snapshot) &&
                        snapshot.scene_generation == generation;
     const Pose X_SO = Inverse(X_OS.motion.X);
     const auto write = [&](std::size_t i, XrHapticContactOMNIX1& contact) {
@@ -152,8 +152,8 @@ XrResult HapticScenes::Contacts(XrHapticSceneOMNIX1 handle, const XrHapticContac
   });
 }
 
-XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGetInfoOMNIX1* info,
-                            XrHapticNodeMeshOMNIX1* mesh) {
+XrResult HapticScenes::GetNodeMesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGetInfoOMNIX1* info,
+                                   XrHapticNodeMeshOMNIX1* mesh) {
   if (!info || info->type != XR_TYPE_HAPTIC_NODE_MESH_GET_INFO_OMNIX1 || !mesh ||
       mesh->type != XR_TYPE_HAPTIC_NODE_MESH_OMNIX1 || (mesh->vertexCapacityInput > 0 && !mesh->vertices) ||
       (mesh->indexCapacityInput > 0 && !mesh->indices)) {
@@ -164,7 +164,7 @@ XrResult HapticScenes::Mesh(XrHapticSceneOMNIX1 handle, const XrHapticNodeMeshGe
     const std::optional<std::uint32_t> object = ObjectOf(scene, info->node, kChangesShape);
     if (!object) return XR_ERROR_HAPTIC_NODE_INVALID_OMNIX1;
     const bool ask = !std::exchange(scene.surfaces_asked, true);
-    const auto reader = link_.With([ask](client::Connection& connection) {
+    const auto reader = link_.WithConnection([ask](client::Connection& connection) {
       if (ask) connection.RequestSurfaces(true);
       return connection.surfaces();
     });

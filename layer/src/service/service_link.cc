@@ -10,7 +10,7 @@
 namespace omni::layer {
 namespace {
 constexpr std::int64_t kPollInterval_ns = 5'000'000;
-// A service answers at once; one without placements never does.
+// A service answers at once; one without base poses never does.
 constexpr std::int64_t kBasePosePatience_ns = 300'000'000;
 }  // namespace
 
@@ -36,12 +36,12 @@ void ServiceLink::Poll(std::int64_t now_ns) {
     base_pose_came_.store(true, std::memory_order_release);
   }
   for (const protocol::Notice& notice : connection_.PopNotices())
-    log_.Line(std::string("service says: ") + notice.text);
+    log_.WriteLine(std::string("service says: ") + notice.text);
   if (connected && !was_connected_) connection_number_.fetch_add(1, std::memory_order_relaxed);
-  if (connected != was_connected_) log_.Line(connected ? "connected to omnid" : "connection to omnid lost");
+  if (connected != was_connected_) log_.WriteLine(connected ? "connected to omnid" : "connection to omnid lost");
   if (!connected && connection_.last_error() != last_error_) {
     last_error_ = connection_.last_error();
-    if (!last_error_.empty()) log_.Line(last_error_);
+    if (!last_error_.empty()) log_.WriteLine(last_error_);
   }
   was_connected_ = connected;
 }
@@ -60,7 +60,7 @@ void ServiceLink::SetSession(protocol::SessionState state) {
   connection_.SendSession(state);  // the connection retries what was not sent
 }
 
-void ServiceLink::Haptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) {
+void ServiceLink::SendHaptic(std::int64_t duration_ns, float amplitude, float frequency_Hz) {
   const std::lock_guard lock(mutex_);
   connection_.SendHaptic(duration_ns, amplitude, frequency_Hz);
 }
@@ -136,7 +136,7 @@ void ServiceLink::SendSpaceChange(const protocol::SpaceChange& change) {
   connection_.Send(change);
 }
 
-bool ServiceLink::Waveform(const protocol::Waveform& waveform, const std::vector<float>& samples) {
+bool ServiceLink::SendWaveform(const protocol::Waveform& waveform, const std::vector<float>& samples) {
   const std::lock_guard lock(mutex_);
   return connection_.SendWaveform(waveform, samples);
 }
@@ -158,12 +158,12 @@ PenChoice ServiceLink::choice() const {
           .profile = fixed_profile_.empty() ? std::string(wished.profile) : fixed_profile_};
 }
 
-PenSnapshot ServiceLink::Read(std::int64_t now_ns, const PenSnapshot& before) const {
+PenSnapshot ServiceLink::ReadPen(std::int64_t now_ns, const PenSnapshot& before) const {
   PenSnapshot pen;
   const std::shared_ptr<const client::StateReader> state = reader();
   if (!state) return pen;
   pen.service_instance = state->service_instance();
-  if (!state->Newest(pen.sample) || !state->Inputs(pen.inputs)) {
+  if (!state->ReadNewest(pen.sample) || !state->ReadInputs(pen.inputs)) {
     const bool stands = before.present && before.service_instance == pen.service_instance &&
                         now_ns - before.sample.t_ns <= kPresenceTimeout_ns;
     return stands ? before : pen;

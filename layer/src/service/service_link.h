@@ -1,6 +1,6 @@
 // The one connection to omnid of an XrInstance: who may call what, and when.
 //
-// Poll and the sends take a mutex; Beat and reader() may be called from any thread at any time. Only
+// Poll and the sends take a mutex; SignalAlive and reader() may be called from any thread at any time. Only
 // AwaitForceProperties blocks: every socket call below is non-blocking, and Poll returns when another thread is already
 // polling.
 #pragma once
@@ -25,9 +25,9 @@ class ServiceLink {
  public:
   ServiceLink(client::ConnectionInfo info, Log& log);
 
-  void Beat() noexcept {
-    connection_.Beat();
-    if (test_) test_->Beat();
+  void SignalAlive() noexcept {
+    connection_.SignalAlive();
+    if (test_) test_->RefreshSample();
   }
   void Poll(std::int64_t now_ns);
   // The same, however recent the last poll was.
@@ -37,10 +37,10 @@ class ServiceLink {
   }
 
   void SetSession(protocol::SessionState state);
-  void Haptic(std::int64_t duration_ns, float amplitude, float frequency_Hz);
+  void SendHaptic(std::int64_t duration_ns, float amplitude, float frequency_Hz);
   void HapticStop();
   // False: not sent.
-  bool Waveform(const protocol::Waveform& waveform, const std::vector<float>& samples);
+  bool SendWaveform(const protocol::Waveform& waveform, const std::vector<float>& samples);
 
   // Before this link is shared: a pen that a conformance test may take over.
   void UseTestDevice(std::unique_ptr<TestDevice> device) { test_ = std::move(device); }
@@ -65,7 +65,7 @@ class ServiceLink {
   std::uint64_t connection_number() const { return connection_number_.load(std::memory_order_relaxed); }
   // Calls use(connection) exclusively; must be short and call no runtime function.
   template <class Use>
-  auto With(Use use) {
+  auto WithConnection(Use use) {
     const std::lock_guard lock(mutex_);
     return use(connection_);
   }
@@ -78,7 +78,7 @@ class ServiceLink {
   std::shared_ptr<const client::StateReader> reader() const;
   // `before`: what was read last. It stands when the service was interrupted while it wrote, for as long as its sample
   // is recent: a pen is not put down because of that.
-  PenSnapshot Read(std::int64_t now_ns, const PenSnapshot& before) const;
+  PenSnapshot ReadPen(std::int64_t now_ns, const PenSnapshot& before) const;
   // The service's settings for this application; defaults until it has sent them.
   protocol::AppSettings settings() const;
   // The pen's hand and preferred profile: from the environment, else from the service.
@@ -93,14 +93,14 @@ class ServiceLink {
   std::optional<Hand> fixed_hand_;
   std::string fixed_profile_;
   Log& log_;
-  mutable std::mutex mutex_;  // of connection_ (except Beat) and of what follows
+  mutable std::mutex mutex_;  // of connection_ (except SignalAlive) and of what follows
   protocol::SessionState session_ = protocol::SessionState::kNone;
   bool was_connected_ = false;
   std::string last_error_;
   bool base_pose_asked_ = false;
   std::optional<protocol::BasePose> base_pose_;
   std::atomic<bool> base_pose_came_{false};
-  // Until then the pen is absent for a session that waits for its placement: it would jump. 0: no session waits.
+  // Until then the pen is absent for a session that waits for its base pose: it would jump. 0: no session waits.
   std::atomic<std::int64_t> base_pose_patience_ns_{0};
   std::atomic<std::int64_t> next_poll_ns_{0};
   std::atomic<std::uint64_t> connection_number_{0};

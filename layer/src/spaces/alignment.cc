@@ -51,7 +51,7 @@ void Alignment::RequestBasePose(Session& session, XrSystemId system) {
   XrSystemProperties headset{XR_TYPE_SYSTEM_PROPERTIES, nullptr, 0, 0, {}, {}, {}};
   if (XR_FAILED(runtime_.next.GetInstanceProperties(runtime_.handle, &runtime)) ||
       XR_FAILED(runtime_.next.GetSystemProperties(runtime_.handle, system, &headset))) {
-    log_.Line("the runtime does not name itself or its headset: the base is assumed in front of the user");
+    log_.WriteLine("the runtime does not name itself or its headset: the base is assumed in front of the user");
     return;
   }
   protocol::BasePoseRequest request;
@@ -82,7 +82,7 @@ void Alignment::Poll() {
   }
   for (const auto& session : records_.sessions.Values()) session->base_pose.Set(base_pose, clock_.ToXr(known_until_ns));
   if (received->known == 0 && received->follows == 0)
-    log_.Line("this headset is not aligned with the base: run `omni align`");
+    log_.WriteLine("this headset is not aligned with the base: run `omni align`");
 }
 
 void Alignment::OnSpaceChange(XrEventDataReferenceSpaceChangePending change) {
@@ -93,12 +93,12 @@ void Alignment::OnSpaceChange(XrEventDataReferenceSpaceChangePending change) {
   if (!in_range) change.poseValid = XR_FALSE;
   const bool news = ReportChange(change);
   if (!news || session->base_pose.OnChange(change)) return;
-  log_.Line(
+  log_.WriteLine(
       "the runtime moves the origin of the base's reference space to an unknown place: the pen's poses are no longer "
       "tracked; run `omni align` again");
 }
 
-// Notifies the service, whose file follows. False: another application was faster, and our placement includes it.
+// Notifies the service, whose file follows. False: another application was faster, and our base pose includes it.
 bool Alignment::ReportChange(const XrEventDataReferenceSpaceChangePending& change) {
   protocol::SpaceChange report;
   report.space = change.referenceSpaceType;

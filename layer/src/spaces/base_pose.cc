@@ -108,9 +108,9 @@ BasePose BasePoseHistory::At(XrTime time) const {
 BaseMotion BaseMotionAt(const client::StateReader& reader, std::int64_t t_ns, std::int64_t now_ns) noexcept {
   BaseSample before;
   BaseSample after;
-  if (!reader.Newest(after)) return {};
+  if (!reader.ReadNewest(after)) return {};
   if (t_ns >= after.t_ns) return PredictBase(after, t_ns, now_ns);
-  return reader.Around(t_ns, before, after) ? BetweenPoses(before, after, t_ns) : BaseMotion{};
+  return reader.ReadAround(t_ns, before, after) ? BetweenPoses(before, after, t_ns) : BaseMotion{};
 }
 
 }  // namespace omni::layer

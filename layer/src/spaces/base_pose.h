@@ -29,7 +29,7 @@ struct BasePose {
   bool follows = false;           // the base moves: BaseMotionAt has where it is, this is for want of that
 };
 
-// The placement of one session over time. Any thread may call anything; nothing blocks for long.
+// The base pose of one session over time. Any thread may call anything; nothing blocks for long.
 class BasePoseHistory {
  public:
   // Older changes are forgotten: enough for a second of queries about the past.
@@ -41,7 +41,7 @@ class BasePoseHistory {
   // Call once per event. False: the origin of L moves to an unknown place, so tracking ends at `changeTime`.
   bool OnChange(const XrEventDataReferenceSpaceChangePending& change);
 
-  // The placement at `time`.
+  // The base pose at `time`.
   BasePose At(XrTime time) const;
 
  private:

@@ -109,7 +109,7 @@ Side LayerSide(const HandleMap<XrSpace, Space>& spaces, const XrCompositionLayer
 
 // If no layer is in a space of the pen, the application's own structure is passed down.
 XrResult Locator::EndFrame(XrSession session, const XrFrameEndInfo* info) {
-  link_.Beat();
+  link_.SignalAlive();
   if (!ShowsLayers(info)) return runtime_.next.EndFrame(session, info);
   const auto is_ours = [&](const XrCompositionLayerBaseHeader* layer) {
     return LayerSide(records_.spaces, layer).ours();

@@ -16,7 +16,7 @@ XrSpaceLocationFlags ChainBits(XrSpaceLocationFlags parent, XrSpaceLocationFlags
 
 }  // namespace
 
-Located Chain(const Located& X_AB, const Located& X_BC) noexcept {
+Located Compose(const Located& X_AB, const Located& X_BC) noexcept {
   Located out;
   out.motion = Compose(X_AB.motion, X_BC.motion);
   out.flags =
@@ -33,7 +33,7 @@ Located Chain(const Located& X_AB, const Located& X_BC) noexcept {
   return out;
 }
 
-Located Invert(const Located& X_AB) noexcept {
+Located Inverse(const Located& X_AB) noexcept {
   Located out;
   out.motion = Inverse(X_AB.motion);
   out.flags =
@@ -77,7 +77,7 @@ Located Read(const LocationFields& location, const VelocityFields& velocity) noe
   return out;
 }
 
-void Write(const Located& located, const LocationFields& location, const VelocityFields& velocity) noexcept {
+void WriteLocation(const Located& located, const LocationFields& location, const VelocityFields& velocity) noexcept {
   const XrPosef pose = ToXr(located.motion.X);
   *location.flags = located.flags;
   *location.pose = {{0, 0, 0, 1}, {0, 0, 0}};

@@ -19,8 +19,8 @@ inline constexpr XrSpaceLocationFlags kTracked =
 inline constexpr XrSpaceVelocityFlags kVelocityValid =
     XR_SPACE_VELOCITY_LINEAR_VALID_BIT | XR_SPACE_VELOCITY_ANGULAR_VALID_BIT;
 
-Located Chain(const Located& X_AB, const Located& X_BC) noexcept;
-Located Invert(const Located& X_AB) noexcept;
+Located Compose(const Located& X_AB, const Located& X_BC) noexcept;
+Located Inverse(const Located& X_AB) noexcept;
 
 // Pose and velocity as far as they are known; an unknown velocity is zero.
 Motion KnownMotion(const Located& X_AB) noexcept;
@@ -47,7 +47,7 @@ VelocityFields FieldsOf(Velocity* velocity) noexcept {
 Located Read(const LocationFields& location, const VelocityFields& velocity) noexcept;
 
 // Writes pose, flags and velocity. What is not valid is zero (unit rotation).
-void Write(const Located& located, const LocationFields& location, const VelocityFields& velocity) noexcept;
+void WriteLocation(const Located& located, const LocationFields& location, const VelocityFields& velocity) noexcept;
 
 // The structure of that type in an output chain, or null.
 template <class Structure>

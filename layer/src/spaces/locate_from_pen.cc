@@ -12,11 +12,11 @@ static_assert(XR_VIEW_STATE_ORIENTATION_VALID_BIT == XR_SPACE_LOCATION_ORIENTATI
 
 // A joint or view X in the pen's space S, from X in L.
 Located InPen(const Located& X_SL, const LocationFields& location, const VelocityFields& velocity) {
-  return Chain(X_SL, Read(location, velocity));
+  return Compose(X_SL, Read(location, velocity));
 }
 
 // L in the pen's space `base`. Nothing is valid where the pen does not feed that space.
-Located AnchorIn(const Side& base, const PenAt& pen) { return base.pen() ? Invert(pen.Locate(base.X_TS)) : Located{}; }
+Located AnchorIn(const Side& base, const PenAt& pen) { return base.pen() ? Inverse(pen.Locate(base.X_TS)) : Located{}; }
 
 void MoveViews(const Located& X_SL, XrViewState& state, XrView* views, std::uint32_t count) {
   const XrSpaceLocationFlags flags_below = state.viewStateFlags;
@@ -26,7 +26,7 @@ void MoveViews(const Located& X_SL, XrViewState& state, XrView* views, std::uint
   for (std::uint32_t i = 0; i < count; ++i) {
     flags = flags_below;
     const LocationFields fields{&flags, &views[i].pose};
-    Write(InPen(X_SL, fields, {}), fields, {});
+    WriteLocation(InPen(X_SL, fields, {}), fields, {});
   }
 }
 
@@ -49,7 +49,7 @@ void MoveHandExtras(const Located& X_SL, void* chain) {
 
 XrResult Locator::LocateViews(XrSession session, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity,
                               uint32_t* count, XrView* views) {
-  link_.Beat();
+  link_.SignalAlive();
   const bool readable = info && info->type == XR_TYPE_VIEW_LOCATE_INFO && state && state->type == XR_TYPE_VIEW_STATE;
   const Side base = readable ? SideOf(records_.spaces, info->space) : Side{};
   if (!base.ours()) return runtime_.next.LocateViews(session, info, state, capacity, count, views);
@@ -66,7 +66,7 @@ XrResult Locator::LocateViews(XrSession session, const XrViewLocateInfo* info, X
 XrResult Locator::CreateHandTrackerEXT(XrSession session, const XrHandTrackerCreateInfoEXT* info,
                                        XrHandTrackerEXT* tracker) {
   const XrResult result = runtime_.next.CreateHandTrackerEXT(session, info, tracker);
-  link_.Beat();
+  link_.SignalAlive();
   auto record = records_.sessions.Find(session);
   if (XR_SUCCEEDED(result) && record) hand_trackers_.Insert(*tracker, std::move(record));
   return result;
@@ -74,14 +74,14 @@ XrResult Locator::CreateHandTrackerEXT(XrSession session, const XrHandTrackerCre
 
 XrResult Locator::DestroyHandTrackerEXT(XrHandTrackerEXT tracker) {
   const XrResult result = runtime_.next.DestroyHandTrackerEXT(tracker);
-  link_.Beat();
+  link_.SignalAlive();
   if (XR_SUCCEEDED(result)) hand_trackers_.Erase(tracker);
   return result;
 }
 
 XrResult Locator::LocateHandJointsEXT(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info,
                                       XrHandJointLocationsEXT* locations) {
-  link_.Beat();
+  link_.SignalAlive();
   const bool readable = info && info->type == XR_TYPE_HAND_JOINTS_LOCATE_INFO_EXT && locations &&
                         locations->type == XR_TYPE_HAND_JOINT_LOCATIONS_EXT;
   const Side base = readable ? SideOf(records_.spaces, info->baseSpace) : Side{};
@@ -98,7 +98,7 @@ XrResult Locator::LocateHandJointsEXT(XrHandTrackerEXT tracker, const XrHandJoin
     XrHandJointLocationEXT& joint = locations->jointLocations[i];
     const LocationFields fields{&joint.locationFlags, &joint.pose};
     const VelocityFields velocity = FieldsOf(velocities ? &velocities->jointVelocities[i] : nullptr);
-    Write(InPen(X_SL, fields, velocity), fields, velocity);
+    WriteLocation(InPen(X_SL, fields, velocity), fields, velocity);
   }
   MoveHandExtras(X_SL, locations->next);
   return result;

@@ -30,7 +30,7 @@ XrResult Locator::LocateSpacesKHR(XrSession session, const XrSpacesLocateInfo* i
 // know.
 XrResult Locator::LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession session, const XrSpacesLocateInfo* info,
                                       XrSpaceLocations* locations) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto record = records_.sessions.Find(session);
   if (!record || !NamesSpaces(info, locations)) return below(session, info, locations);
   const Side base = SideIn(records_.spaces, *record, info->baseSpace);
@@ -59,7 +59,7 @@ XrResult Locator::LocateSpacesThrough(PFN_xrLocateSpaces below, XrSession sessio
     XrSpaceLocationData& location = locations->locations[i];
     const LocationFields fields{&location.locationFlags, &location.pose};
     const VelocityFields velocity = FieldsOf(velocities ? &velocities->velocities[i] : nullptr);
-    Write(Between(sides[i], base, FromBelow(fields, velocity, sides[i], base), pen), fields, velocity);
+    WriteLocation(Between(sides[i], base, FromBelow(fields, velocity, sides[i], base), pen), fields, velocity);
   }
   return result;
 }

@@ -18,7 +18,7 @@ bool StandsStill(const Side& side) {
 // Where no pose of it is known yet, it stays where it was measured, or is guessed to be.
 void FollowBase(const BaseMotion& base, const Session& session, PenAt& pen) {
   if (!base.valid) return;
-  pen.anchor = session.Anchor(base.space);
+  pen.anchor = session.AnchorSpace(base.space);
   pen.X_LO = base.X_LO;
   pen.base_pose.valid = true;
   pen.base_pose.tracked = base.tracked;
@@ -40,7 +40,7 @@ Side SideOf(const HandleMap<XrSpace, Space>& spaces, XrSpace handle) {
 PenAt PenAtTime(const ServiceLink& link, const RuntimeClock& clock, const Session& session, XrTime time) {
   PenAt pen;
   pen.base_pose = session.base_pose.At(time);
-  pen.anchor = session.Anchor(pen.base_pose.space);
+  pen.anchor = session.AnchorSpace(pen.base_pose.space);
   pen.X_LO.X = pen.base_pose.X_LO;
   const auto reader = link.reader();
   if (pen.base_pose.follows) pen.base_pose.tracked = false;
@@ -68,8 +68,8 @@ Located Between(const Side& s, const Side& b, const Located& below, const PenAt&
     return rigid;
   }
   if (s.served_by == kServedByNobody || b.served_by == kServedByNobody) return {};
-  if (s.pen()) return Chain(below, pen.Locate(s.X_TS));
-  return Chain(Invert(pen.Locate(b.X_TS)), below);
+  if (s.pen()) return Compose(below, pen.Locate(s.X_TS));
+  return Compose(Inverse(pen.Locate(b.X_TS)), below);
 }
 
 Located FromBelow(const LocationFields& location, const VelocityFields& velocity, const Side& s,

@@ -18,7 +18,7 @@ std::vector<XrReferenceSpaceType> SupportedSpaces(const Dispatch& next, XrSessio
 
 }  // namespace
 
-// LOCAL is always tried: every runtime must have it, and the default placement is given in it.
+// LOCAL is always tried: every runtime must have it, and the default base pose is given in it.
 void Locator::MakeAnchors(Session& session) {
   const std::vector<XrReferenceSpaceType> offered = SupportedSpaces(runtime_.next, session.handle);
   for (std::size_t i = 0; i < kAnchorTypes.size(); ++i) {
@@ -30,13 +30,13 @@ void Locator::MakeAnchors(Session& session) {
     if (XR_FAILED(runtime_.next.CreateReferenceSpace(session.handle, &info, &session.anchors[i])))
       session.anchors[i] = XR_NULL_HANDLE;
   }
-  if (session.Anchor(XR_REFERENCE_SPACE_TYPE_LOCAL) == XR_NULL_HANDLE)
-    log_.Line("the runtime has no LOCAL space: until the base is aligned the pen has no pose in this session");
+  if (session.AnchorSpace(XR_REFERENCE_SPACE_TYPE_LOCAL) == XR_NULL_HANDLE)
+    log_.WriteLine("the runtime has no LOCAL space: until the base is aligned the pen has no pose in this session");
 }
 
 XrResult Locator::CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* info, XrSpace* space) {
   const XrResult result = runtime_.next.CreateActionSpace(session, info, space);
-  link_.Beat();
+  link_.SignalAlive();
   const auto record = records_.sessions.Find(session);
   if (XR_FAILED(result) || !record) return result;
   auto made = std::make_shared<Space>();
@@ -48,13 +48,13 @@ XrResult Locator::CreateActionSpace(XrSession session, const XrActionSpaceCreate
   if (!made->action) return result;
   records_.spaces.Insert(*space, made);
   const std::shared_lock lock(record->mutex);
-  record->actions.Serve(*made);
+  record->actions.UpdateServedBy(*made);
   return result;
 }
 
 XrResult Locator::CreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInfo* info, XrSpace* space) {
   const XrResult result = runtime_.next.CreateReferenceSpace(session, info, space);
-  link_.Beat();
+  link_.SignalAlive();
   const auto record = records_.sessions.Find(session);
   if (XR_FAILED(result) || !record) return result;
   auto made = std::make_shared<Space>();
@@ -73,7 +73,7 @@ void Locator::EndOf(XrSession session) {
 // One call down, into the application's own structure: the runtime fills what else is chained to it. It also checks
 // handles and time.
 XrResult Locator::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation* location) {
-  link_.Beat();
+  link_.SignalAlive();
   const Side s = SideOf(records_.spaces, space);
   const Side b = SideOf(records_.spaces, base);
   const bool one_session = !s.ours() || !b.ours() || s.session() == b.session();
@@ -85,7 +85,7 @@ XrResult Locator::LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceL
   if (XR_FAILED(result)) return result;
   const LocationFields fields{&location->locationFlags, &location->pose};
   const VelocityFields velocity = FieldsOf(FindInChain<XrSpaceVelocity>(location->next, XR_TYPE_SPACE_VELOCITY));
-  Write(Between(s, b, FromBelow(fields, velocity, s, b), pen), fields, velocity);
+  WriteLocation(Between(s, b, FromBelow(fields, velocity, s, b), pen), fields, velocity);
   return result;
 }
 
@@ -97,7 +97,7 @@ XrResult Locator::LocateInBase(const Session& session, XrSpace space, XrTime tim
     X_OS = PenIn(Motion{}, pen.tool, s.X_TS);
     return XR_SUCCESS;
   }
-  // Also without a known placement: the runtime checks the space and the time.
+  // Also without a known base pose: the runtime checks the space and the time.
   if (pen.anchor == XR_NULL_HANDLE) return XR_SUCCESS;
   XrSpaceVelocity velocity{XR_TYPE_SPACE_VELOCITY, nullptr, 0, {0, 0, 0}, {0, 0, 0}};
   XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, &velocity, 0, {{0, 0, 0, 1}, {0, 0, 0}}};
@@ -110,7 +110,7 @@ XrResult Locator::LocateInBase(const Session& session, XrSpace space, XrTime tim
   X_LO.motion = pen.X_LO;
   X_LO.flags = pen.base_pose.tracked ? kValid | kTracked : kValid;
   X_LO.velocity_flags = kVelocityValid;
-  X_OS = Chain(Invert(X_LO), X_LS);
+  X_OS = Compose(Inverse(X_LO), X_LS);
   return result;
 }
 

@@ -98,7 +98,7 @@ ToolMotion FromNewest(const client::StateReader& reader, const protocol::ToolSam
   out.tracked = Tracked(newest);
   if (!out.valid) return out;
   protocol::ToolSample earlier;
-  if (!reader.Earlier(kTrendSamples, earlier)) earlier = newest;
+  if (!reader.ReadEarlier(kTrendSamples, earlier)) earlier = newest;
   out.X_BT = Predict(newest, earlier, t_ns);
   return out;
 }
@@ -125,9 +125,9 @@ ToolMotion FromHistory(const protocol::ToolSample& before, const protocol::ToolS
 ToolMotion ToolMotionAt(const client::StateReader& reader, std::int64_t t_ns, std::int64_t now_ns) noexcept {
   protocol::ToolSample before;
   protocol::ToolSample after;
-  if (!reader.Newest(after) || now_ns - after.t_ns > kPresenceTimeout_ns) return {};
+  if (!reader.ReadNewest(after) || now_ns - after.t_ns > kPresenceTimeout_ns) return {};
   if (t_ns >= after.t_ns) return FromNewest(reader, after, t_ns);
-  return reader.Around(t_ns, before, after) ? FromHistory(before, after, t_ns) : ToolMotion{};
+  return reader.ReadAround(t_ns, before, after) ? FromHistory(before, after, t_ns) : ToolMotion{};
 }
 
 }  // namespace omni::layer

@@ -80,7 +80,8 @@ XrHapticVibration WithoutShape(const ShapedVibration& shaped) {
           XR_FREQUENCY_UNSPECIFIED, static_cast<float>(amplitude)};
 }
 
-std::uint32_t PcmBacklog::Book(XrAction action, const ShapedVibration& pcm, std::int64_t now_ns, bool& continues) {
+std::uint32_t PcmBacklog::ReserveSamples(XrAction action, const ShapedVibration& pcm, std::int64_t now_ns,
+                                         bool& continues) {
   const std::lock_guard lock(mutex_);
   continues = pcm.waveform.append == 1 && action == action_ && end_ns_ > now_ns;
   const std::int64_t begin_ns = continues ? end_ns_ : now_ns;
@@ -129,9 +130,10 @@ XrResult Vibrations::ApplyHapticFeedback(XrSession session, const XrHapticAction
                                          const XrHapticBaseHeader* haptic) {
   if (haptic && haptic->type == XR_TYPE_HAPTIC_VIBRATION) return ApplyTone(session, info, haptic);
   if (haptic && haptic->type == XR_TYPE_HAPTIC_AMPLITUDE_ENVELOPE_VIBRATION_FB &&
-      runtime_.Enabled(XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME))
+      runtime_.HasExtension(XR_FB_HAPTIC_AMPLITUDE_ENVELOPE_EXTENSION_NAME))
     return ApplyEnvelope(session, info, haptic);
-  if (haptic && haptic->type == XR_TYPE_HAPTIC_PCM_VIBRATION_FB && runtime_.Enabled(XR_FB_HAPTIC_PCM_EXTENSION_NAME))
+  if (haptic && haptic->type == XR_TYPE_HAPTIC_PCM_VIBRATION_FB &&
+      runtime_.HasExtension(XR_FB_HAPTIC_PCM_EXTENSION_NAME))
     return ApplyPcm(session, info, haptic);
   return runtime_.next.ApplyHapticFeedback(session, info, haptic);
 }
@@ -148,7 +150,7 @@ XrResult Vibrations::ApplyTone(XrSession session, const XrHapticActionInfo* info
 
 void Vibrations::Play(const Pulse& pulse) {
   backlog_.Clear();
-  link_.Haptic(pulse.duration_ns, pulse.amplitude, pulse.frequency_Hz);
+  link_.SendHaptic(pulse.duration_ns, pulse.amplitude, pulse.frequency_Hz);
 }
 
 void Vibrations::Stop() {
@@ -176,7 +178,7 @@ XrResult Vibrations::ApplyEnvelope(XrSession session, const XrHapticActionInfo* 
       route, info, [&](const XrHapticActionInfo* at) { return ShapeBelow(only_ours, session, at, haptic, shaped); });
   if (!route.to_pen || result != XR_SUCCESS) return result;
   backlog_.Clear();
-  link_.Waveform(shaped->waveform, shaped->samples);
+  link_.SendWaveform(shaped->waveform, shaped->samples);
   return result;
 }
 
@@ -206,10 +208,10 @@ XrResult Vibrations::ApplyPcm(XrSession session, const XrHapticActionInfo* info,
 // How many samples the service has taken.
 std::uint32_t Vibrations::PlayPcm(XrAction action, ShapedVibration& pcm) {
   bool continues = false;
-  pcm.samples.resize(backlog_.Book(action, pcm, base::MonotonicNow_ns(), continues));
+  pcm.samples.resize(backlog_.ReserveSamples(action, pcm, base::MonotonicNow_ns(), continues));
   pcm.waveform.append = continues ? 1 : 0;
   if (pcm.samples.empty()) return 0;
-  if (link_.Waveform(pcm.waveform, pcm.samples)) return static_cast<std::uint32_t>(pcm.samples.size());
+  if (link_.SendWaveform(pcm.waveform, pcm.samples)) return static_cast<std::uint32_t>(pcm.samples.size());
   backlog_.Clear();  // nothing plays: the application tries again
   return 0;
 }
@@ -225,14 +227,14 @@ XrResult Vibrations::StopHapticFeedback(XrSession session, const XrHapticActionI
 // [xrGetDeviceSampleRateFB] The pen's coils for the pen's hand; without the extension below, 0 for all else.
 XrResult Vibrations::GetDeviceSampleRateFB(XrSession session, const XrHapticActionInfo* info,
                                            XrDevicePcmSampleRateStateFB* rate) {
-  link_.Beat();
+  link_.SignalAlive();
   const auto record = records_.sessions.Find(session);
   const bool readable =
       info && info->type == XR_TYPE_HAPTIC_ACTION_INFO && rate && rate->type == XR_TYPE_DEVICE_PCM_SAMPLE_RATE_STATE_FB;
   const auto action = record && readable ? records_.actions.Find(info->action) : nullptr;
   if (action && action->type == XR_ACTION_TYPE_VIBRATION_OUTPUT) {
     const std::shared_lock lock(record->mutex);
-    const bool declared = info->subactionPath == XR_NULL_PATH || action->Declares(info->subactionPath);
+    const bool declared = info->subactionPath == XR_NULL_PATH || action->HasSubaction(info->subactionPath);
     const bool bound = record->actions.HapticBound(*action, info->subactionPath);
     if (declared && bound) {
       rate->sampleRate = protocol::kDeviceSampleRate_Hz;
@@ -244,7 +246,7 @@ XrResult Vibrations::GetDeviceSampleRateFB(XrSession session, const XrHapticActi
   if (!readable) return XR_ERROR_VALIDATION_FAILURE;
   if (!action) return XR_ERROR_HANDLE_INVALID;
   if (action->type != XR_ACTION_TYPE_VIBRATION_OUTPUT) return XR_ERROR_ACTION_TYPE_MISMATCH;
-  if (info->subactionPath != XR_NULL_PATH && !action->Declares(info->subactionPath)) {
+  if (info->subactionPath != XR_NULL_PATH && !action->HasSubaction(info->subactionPath)) {
     return runtime_.PathText(info->subactionPath).empty() ? XR_ERROR_PATH_INVALID : XR_ERROR_PATH_UNSUPPORTED;
   }
   const std::shared_lock lock(record->mutex);

@@ -35,7 +35,7 @@ class PcmBacklog {
  public:
   // Books as many of the samples as fit now, and says how many. They follow the previous ones if the application
   // appends and its last PCM was for this action and still plays; otherwise they replace them: `continues` says which.
-  std::uint32_t Book(XrAction action, const ShapedVibration& pcm, std::int64_t now_ns, bool& continues);
+  std::uint32_t ReserveSamples(XrAction action, const ShapedVibration& pcm, std::int64_t now_ns, bool& continues);
   // Something else vibrates, or nothing does.
   void Clear();
 

@@ -72,7 +72,7 @@ TouchedContact Touch(const std::string& path, const Vec& from_m, const Vec& tip_
   input.limit.ampere_per_newton = {5, 0, 0, 0, 5, 0, 0, 0, 5};
   input.limit.current_max_A = {15, 15, 15};
   input.limit.force_max_N = 2;
-  haptics::Enter(*scene, state);
+  haptics::EnterScene(*scene, state);
   for (int tick = 0; tick <= 500; ++tick) {
     const double s = std::min(1.0, tick / 200.0);
     input.device_point_base_m = AsBase(from_m + (tip_m - from_m) * s);

@@ -69,7 +69,7 @@ bool IsCalibrated(const Parameters& parameters, int index) {
 // (5.2). As many of D are negative as eigenvalues of I - 1 = L D L^T are [Sylvester's law of inertia].
 void DescribeObservability(const Adjustment& adjustment, Report& report) {
   const Parameters& parameters = adjustment.parameters;
-  MatrixXd information = Eliminate(adjustment.system, 0).H;
+  MatrixXd information = EliminateSamples(adjustment.system, 0).H;
   information.diagonal().array() -= 2;
   report.weak_directions = static_cast<int>((information.ldlt().vectorD().array() < 0).count());
   for (int e = 0; e < parameters.size(); ++e) {
@@ -156,7 +156,7 @@ MatrixXd CovarianceByTouches(const Adjustment& adjustment, const Touches& touche
 
 }  // namespace
 
-Report Assess(const Problem& problem, const Adjustment& adjustment) {
+Report AssessAdjustment(const Problem& problem, const Adjustment& adjustment) {
   const Parameters& parameters = adjustment.parameters;
   const int moment = parameters.shared_at() + kMomentAt;
   Report report;

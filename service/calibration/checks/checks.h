@@ -27,6 +27,6 @@ std::string ResultProblem(const Adjustment& adjustment, const Report& report, co
 // docs/theory/calibration.md (5.1) - (5.6)
 
 // Leaves samples, coverage, rejected, seconds to the caller.
-Report Assess(const Problem& problem, const Adjustment& adjustment);
+Report AssessAdjustment(const Problem& problem, const Adjustment& adjustment);
 
 }  // namespace omni::calibration

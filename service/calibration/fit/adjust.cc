@@ -43,7 +43,7 @@ OwnVector Shortened(const OwnVector& step) {
 
 // Back-substitution: own = -H^-1 (g + C dx).
 Step MakeStep(const System& system, double damping) {
-  const Reduced reduced = Eliminate(system, damping);
+  const Reduced reduced = EliminateSamples(system, damping);
   Step step;
   step.array = -reduced.H.llt().solve(reduced.g);
   step.expected = -step.array.dot(reduced.g);
@@ -103,7 +103,8 @@ bool Minimise(const Problem& problem, double enough, int iterations_max, Adjustm
       parameters.x() += step.array;
       std::vector<Instant> instants;
       instants.reserve(step.own.size());
-      for (std::size_t n = 0; n < step.own.size(); ++n) instants.push_back(Moved(state.instants[n], step.own[n]));
+      for (std::size_t n = 0; n < step.own.size(); ++n)
+        instants.push_back(MovedInstant(state.instants[n], step.own[n]));
       System next = problem.Linearise(parameters, instants);
       ++state.iterations;
       if (next.cost <= state.system.cost) {  // false for NaN
@@ -122,7 +123,7 @@ bool Minimise(const Problem& problem, double enough, int iterations_max, Adjustm
 
 Eigen::MatrixXd Covariance(const System& system) {
   const Eigen::Index size = system.H.rows();
-  return Eliminate(system, 0).H.llt().solve(Eigen::MatrixXd::Identity(size, size));
+  return EliminateSamples(system, 0).H.llt().solve(Eigen::MatrixXd::Identity(size, size));
 }
 
 bool SettleWeights(Problem& problem, int iterations_max, Adjustment& state) {
@@ -148,7 +149,7 @@ bool Settle(Problem& problem, SteelFit steel, int iterations_max, Adjustment& st
 }  // namespace
 
 // S = H - sum C^T H_n^-1 C, s = g - sum C^T H_n^-1 g_n, with H_n = L L^T and V = L^-1 C.
-Reduced Eliminate(const System& system, double damping) {
+Reduced EliminateSamples(const System& system, double damping) {
   Reduced reduced{system.H, system.g};
   reduced.H.diagonal() *= 1 + damping;
   const Eigen::Index size = system.H.rows();

@@ -33,6 +33,6 @@ struct Reduced {
   Eigen::MatrixXd H;
   Eigen::VectorXd g;
 };
-Reduced Eliminate(const System& system, double damping);
+Reduced EliminateSamples(const System& system, double damping);
 
 }  // namespace omni::calibration

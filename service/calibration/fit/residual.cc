@@ -39,9 +39,9 @@ PlacedField<kToolUnknowns> WholeField(const FieldAtSensor& place, const ArraySta
 
 }  // namespace
 
-Residual Compare(const Parameters& parameters, const ArrayState& array, std::size_t i, double tau,
-                 const ToolFrame& frame, const Vector3d& remanence, const Eigen::Matrix<double, 3, 2>& kept,
-                 const Vector3d& y) {
+Residual ComputeResidual(const Parameters& parameters, const ArrayState& array, std::size_t i, double tau,
+                         const ToolFrame& frame, const Vector3d& remanence, const Eigen::Matrix<double, 3, 2>& kept,
+                         const Vector3d& y) {
   const Tolerances& t = parameters.tolerances();
   const SensorState& sensor = array.sensors[i];
   const double m = parameters.Moment_Am2(tau);

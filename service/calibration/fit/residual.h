@@ -40,9 +40,9 @@ struct Residual {
 };
 // Of sensor i; `tau` in [-1, 1] over the recording; `remanence` in its unit; `kept`: Observation::kept; y: the reading,
 // T.
-Residual Compare(const Parameters& parameters, const ArrayState& array, std::size_t i, double tau,
-                 const ToolFrame& frame, const Eigen::Vector3d& remanence, const Eigen::Matrix<double, 3, 2>& kept,
-                 const Eigen::Vector3d& y);
+Residual ComputeResidual(const Parameters& parameters, const ArrayState& array, std::size_t i, double tau,
+                         const ToolFrame& frame, const Eigen::Vector3d& remanence,
+                         const Eigen::Matrix<double, 3, 2>& kept, const Eigen::Vector3d& y);
 
 // The gap of a sample that touches the hull, m, with its derivatives by the pose and by the shared unknowns.
 struct TouchResidual {

@@ -99,7 +99,7 @@ base::Result<Outcome> SelfCalibrate(const base::Calibration& nominal, std::span<
   const auto cold = ColdStart::Make(measured.nominal(), options.tolerances);
   if (!cold.ok()) return refused(cold.error());
   std::vector<ColdPose> poses;
-  for (const Sample& sample : recording.samples) poses.push_back(cold->Find(sample));
+  for (const Sample& sample : recording.samples) poses.push_back(cold->FindPose(sample));
   if (const std::string why = PosesProblem(nominal, recording, poses, options.limits); !why.empty()) {
     return refused(why);
   }
@@ -107,7 +107,7 @@ base::Result<Outcome> SelfCalibrate(const base::Calibration& nominal, std::span<
   Problem problem(nominal, coils, kept.recording, options.tolerances);
   const Adjustment adjustment = Adjust(problem, StartAt(problem.nominal(), coils, options.tolerances),
                                        std::move(kept.instants), options.iterations_max);
-  Outcome outcome{ToCalibration(problem, adjustment), Assess(problem, adjustment)};
+  Outcome outcome{ToCalibration(problem, adjustment), AssessAdjustment(problem, adjustment)};
   CountSamples(recording, problem, outcome.report);
   outcome.report.steel = outcome.calibration.steel;
   outcome.calibration.expected_error_m = outcome.report.expected_error_m;

@@ -37,7 +37,7 @@ base::Result<ColdStart> ColdStart::Make(const base::Calibration& nominal, const 
   return ColdStart(std::move(*solver));
 }
 
-ColdPose ColdStart::Find(const Sample& sample) const {
+ColdPose ColdStart::FindPose(const Sample& sample) const {
   std::vector<tracker::ArrayReading> readings;
   readings.reserve(sample.field_sensor_T.size());
   for (const base::Vec3& field_T : sample.field_sensor_T) readings.push_back({field_T, 0});

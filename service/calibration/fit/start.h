@@ -22,7 +22,7 @@ class ColdStart {
   // `nominal` with measured maps and background.
   static base::Result<ColdStart> Make(const base::Calibration& nominal, const Tolerances& tolerances);
 
-  ColdPose Find(const Sample& sample) const;
+  ColdPose FindPose(const Sample& sample) const;
 
  private:
   explicit ColdStart(tracker::StaticSolver solver) : solver_(std::move(solver)) {}

@@ -69,8 +69,8 @@ SampleBlock AddSample(const Parameters& parameters, const ArrayState& array, con
   block.cost = instant.remanence.squaredNorm();
   const double root_weight = std::sqrt(observation.weight);
   for (std::size_t i = 0; i < array.sensors.size(); ++i) {
-    const Residual residual = Compare(parameters, array, i, observation.tau, frame, instant.remanence, observation.kept,
-                                      observation.tool_sensor_T[i]);
+    const Residual residual = ComputeResidual(parameters, array, i, observation.tau, frame, instant.remanence,
+                                              observation.kept, observation.tool_sensor_T[i]);
     const Vector3d scale = root_weight * observation.inverse_sigma[i];
     const Vector3d r = scale.cwiseProduct(residual.r);
     const Eigen::Matrix<double, 3, kOwn> own = scale.asDiagonal() * residual.own;
@@ -130,7 +130,7 @@ void PrepareSensor(const base::SensorCalibration& sensor, const Sample& sample, 
 
 }  // namespace
 
-Instant Moved(const Instant& instant, const OwnVector& step) {
+Instant MovedInstant(const Instant& instant, const OwnVector& step) {
   const magnetics::TangentBasis basis = magnetics::MakeTangentBasis(instant.axis_base);
   return {instant.position_base_m + step.head<3>(),
           (instant.axis_base + step[3] * basis.e1 + step[4] * basis.e2).normalized(),

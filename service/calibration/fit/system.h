@@ -23,7 +23,7 @@ struct Instant {
   Eigen::Vector3d remanence = Eigen::Vector3d::Zero();  // in units of Tolerances::remanence_A
 };
 // `step` as OwnVector: metres, radians, units of the tolerance.
-Instant Moved(const Instant& instant, const OwnVector& step);
+Instant MovedInstant(const Instant& instant, const OwnVector& step);
 
 // A sample made ready: what is left for the tool, and how much each axis is to be trusted.
 struct Observation {

@@ -89,7 +89,7 @@ AlignmentEntry ReadEntry(FileProblem& problem, const toml::table& table, const s
   entry.base_moved = reader.Choice("base_moved", kYesNo, "no") == "yes";
   ReadDrift(reader, table, entry.drift);
   if (table.contains("used")) entry.used = reader.Text("used", kMaxDateBytes);
-  reader.Finish();
+  reader.ReportUnknownKeys();
   CheckUnit(problem, table, name, "orientation_space_wxyz", entry.orientation_space);
   if (entry.measured_orientation_space != entry.orientation_space) {
     CheckUnit(problem, table, name, "measured_orientation_space_wxyz", entry.measured_orientation_space);
@@ -107,7 +107,8 @@ bool HasDrifted(double expected_error_m, const AlignmentDrift& drift) noexcept {
   return ErrorNow_m(expected_error_m, drift) > std::max(kMostAlignmentError_m, kMostAlignmentGrowth * expected_error_m);
 }
 
-AlignmentDrift Checked(AlignmentDrift drift, double offset_m, double expected_error_m, bool corrected) noexcept {
+AlignmentDrift DriftAfterCheck(AlignmentDrift drift, double offset_m, double expected_error_m,
+                               bool corrected) noexcept {
   if (drift.starts > 0) {
     const double known_m = std::max(expected_error_m, drift.checked_m);
     const double seen = std::max(0.0, Square(offset_m) - Square(known_m) - Square(kCheckError_m)) / drift.starts;
@@ -145,7 +146,7 @@ base::Result<AlignmentFile> ParseAlignments(const std::string& text, const std::
       file.entries.push_back(ReadEntry(problem, *tables[i], "alignments[" + std::to_string(i) + "]"));
     }
   }
-  root.Finish();
+  root.ReportUnknownKeys();
   if (!problem.ok()) return base::Error{problem.message()};
   return file;
 }

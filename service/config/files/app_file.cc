@@ -101,8 +101,8 @@ base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& 
     TableReader input_reader(problem, *inputs, "inputs");
     entry.inputs = ReadInputs(input_reader, problem);
   }
-  reader.Allow({"scene", "inputs"});
-  reader.Finish();
+  reader.AllowKeys({"scene", "inputs"});
+  reader.ReportUnknownKeys();
   if (!problem.ok()) return base::Error{problem.message()};
   return entry;
 }

@@ -157,7 +157,7 @@ void ReadMagnet(FileProblem& problem, TableReader& root, Calibration& into) {
     magnet.remanence_T = reader.Number("remanence_T", kRemanence_T);
   }
   magnet.tip_offset_m = reader.Number("tip_offset_m", kTipOffset_m, 0.0);
-  reader.Finish();
+  reader.ReportUnknownKeys();
 }
 
 void ReadNoise(FileProblem& problem, TableReader& root, Calibration& into) {
@@ -166,7 +166,7 @@ void ReadNoise(FileProblem& problem, TableReader& root, Calibration& into) {
   TableReader reader(problem, *table, "sensor");
   reader.Numbers("sensor_noise_T", kNoise_T, into.sensor_noise_T);
   if (table->contains("sensor_range_T")) into.sensor_range_T = reader.Number("sensor_range_T", kFullScale_T);
-  reader.Finish();
+  reader.ReportUnknownKeys();
 }
 
 void ReadSensors(FileProblem& problem, TableReader& root, Calibration& into) {
@@ -174,7 +174,7 @@ void ReadSensors(FileProblem& problem, TableReader& root, Calibration& into) {
   for (std::size_t i = 0; i < tables.size(); ++i) {
     TableReader reader(problem, *tables[i], "sensors[" + std::to_string(i) + "]");
     into.sensors.push_back(ReadArraySensor(problem, reader));
-    reader.Finish();
+    reader.ReportUnknownKeys();
   }
 }
 
@@ -184,14 +184,14 @@ void ReadBodies(FileProblem& problem, TableReader& root, Calibration& into) {
       TableReader reader(problem, *table, "core");
       into.core_radius_m = reader.Number("core_radius_m", kRadius_m);
       into.core_kappa = reader.Number("core_kappa", kKappa, 1.0);
-      reader.Finish();
+      reader.ReportUnknownKeys();
     }
   }
   if (root.table().contains("hull")) {
     if (const toml::table* table = root.Table("hull"); table != nullptr) {
       TableReader reader(problem, *table, "hull");
       into.hull_radius_m = reader.Number("hull_radius_m", kRadius_m);
-      reader.Finish();
+      reader.ReportUnknownKeys();
     }
   }
   if (root.table().contains("volume")) {
@@ -199,7 +199,7 @@ void ReadBodies(FileProblem& problem, TableReader& root, Calibration& into) {
       TableReader reader(problem, *table, "volume");
       into.volume_min_base_m = reader.Vector("min_base_m", kVolume_m);
       into.volume_max_base_m = reader.Vector("max_base_m", kVolume_m);
-      reader.Finish();
+      reader.ReportUnknownKeys();
     }
   }
 }
@@ -238,7 +238,7 @@ void ReadCoils(FileProblem& problem, TableReader& root, ArrayFile& into) {
   for (std::size_t i = 0; i < tables.size(); ++i) {
     TableReader reader(problem, *tables[i], "coils[" + std::to_string(i) + "]");
     into.coils.push_back(ReadCoil(problem, reader));
-    reader.Finish();
+    reader.ReportUnknownKeys();
   }
 }
 
@@ -300,7 +300,7 @@ base::Result<ArrayFile> ParseArray(const std::string& text, const std::string& n
   ReadSensors(problem, root, array);
   ReadBodies(problem, root, array);
   ReadCoils(problem, root, file);
-  root.Finish();
+  root.ReportUnknownKeys();
   if (!problem.ok()) return base::Error{problem.message()};
   if (const std::string contradiction = Contradiction(file); !contradiction.empty()) {
     return base::Error{name + ": " + contradiction};

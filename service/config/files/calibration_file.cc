@@ -98,7 +98,7 @@ void ReadQuality(FileProblem& problem, TableReader& root, CalibrationQuality& qu
   quality.samples = reader.Integer("samples", {0, 1e6});
   quality.touches = reader.Integer("touches", {0, 1e6});
   quality.unfixed = reader.Integer("unfixed", {0, 1e6});
-  reader.Finish();
+  reader.ReportUnknownKeys();
 }
 
 // A pen whose tip was not measured has the drawing's, and its file does not contain one.
@@ -113,7 +113,7 @@ void ReadMagnet(FileProblem& problem, TableReader& root, CalibrationFile& file) 
   file.tip_measured = table->contains("tip_offset_m");
   double& tip_offset_m = calibration.magnet.tip_offset_m;
   tip_offset_m = reader.Number("tip_offset_m", kTipOffset_m, tip_offset_m);
-  reader.Finish();
+  reader.ReportUnknownKeys();
 }
 
 void ReadBase(FileProblem& problem, TableReader& root, Calibration& calibration) {
@@ -122,7 +122,7 @@ void ReadBase(FileProblem& problem, TableReader& root, Calibration& calibration)
   TableReader reader(problem, *table, "base");
   calibration.hull_radius_m = reader.Number("hull_radius_m", kHullRadius_m);
   calibration.core_centre_base_m = reader.Vector("core_centre_base_m", kPosition_m);
-  reader.Finish();
+  reader.ReportUnknownKeys();
 }
 
 // Only in files of bases with steel under them.
@@ -133,7 +133,7 @@ void ReadSteel(FileProblem& problem, TableReader& root, Calibration& calibration
   TableReader reader(problem, *table, "steel");
   calibration.steel.strength = reader.Number("strength", kSteelStrength);
   calibration.steel.height_base_m = reader.Number("height_base_m", kSteelHeight_m);
-  reader.Finish();
+  reader.ReportUnknownKeys();
 }
 
 std::string SensorName(std::size_t i) { return "sensors[" + std::to_string(i) + "]"; }
@@ -146,7 +146,7 @@ void ReadSensors(FileProblem& problem, TableReader& root, std::size_t count, Cal
     reader.Numbers("gain_sensor_base", kGain, sensor.gain_sensor_base);
     reader.Numbers("current_map_T_A", kMap_T_A, sensor.current_map_T_A);
     sensor.background_sensor_T = reader.Vector("background_sensor_T", kBackground_T);
-    reader.Finish();
+    reader.ReportUnknownKeys();
     calibration.sensors.push_back(sensor);
   }
 }
@@ -268,7 +268,7 @@ base::Result<CalibrationFile> ParseCalibration(const std::string& text, const st
   ReadSteel(problem, root, file.calibration);
   ReadSensors(problem, root, expected.device.sensors.size(), file.calibration);
   CheckChecksum(problem, root, expected.device, file);
-  root.Finish();
+  root.ReportUnknownKeys();
   CheckSense(problem, *parsed, expected.drawing, file.calibration);
   if (!problem.ok()) return base::Error{problem.message()};
   file.calibration.expected_error_m = 1e-3 * file.quality.expected_error_mm;

@@ -63,7 +63,7 @@ std::string SensorProblem(const base::DeviceGeometry& device, std::size_t i) {
   return problem;
 }
 
-// Whether the numbers of a device fit together: what single ranges cannot tell. The first contradiction, with the keys
+// Whether the numbers of a device fit together: what single ranges cannot show. The first contradiction, with the keys
 // and values involved and what must hold; empty: none.
 std::string GeometryProblem(const base::DeviceGeometry& device) {
   std::string problem =
@@ -161,7 +161,7 @@ void ReadSection(FileProblem& problem, TableReader& root, const char* name, cons
   if (table == nullptr) return;
   TableReader reader(problem, *table, name);
   ReadNumbers(reader, keys, device);
-  reader.Finish();
+  reader.ReportUnknownKeys();
 }
 
 void ReadMagnet(FileProblem& problem, TableReader& root, MagnetGeometry& magnet) {
@@ -169,7 +169,7 @@ void ReadMagnet(FileProblem& problem, TableReader& root, MagnetGeometry& magnet)
   if (table == nullptr) return;
   TableReader reader(problem, *table, "magnet");
   ReadNumbers(reader, kMagnetKeys, magnet);
-  reader.Finish();
+  reader.ReportUnknownKeys();
 }
 
 // Optional: without the table the defaults hold, with it every key is required.
@@ -179,7 +179,7 @@ void ReadHeat(FileProblem& problem, const toml::table& file, TableReader& root, 
   if (table == nullptr) return;
   TableReader reader(problem, *table, "heat");
   ReadNumbers(reader, kHeatKeys, heat);
-  reader.Finish();
+  reader.ReportUnknownKeys();
 }
 
 void ReadSensor(FileProblem& problem, TableReader& root, DeviceGeometry& device) {
@@ -188,7 +188,7 @@ void ReadSensor(FileProblem& problem, TableReader& root, DeviceGeometry& device)
   TableReader reader(problem, *table, "sensor");
   ReadNumbers(reader, kSensorKeys, device);
   reader.Numbers("sensor_noise_T", kSensorNoise_T, device.sensor_noise_T);
-  reader.Finish();
+  reader.ReportUnknownKeys();
 }
 
 // Scales `values` to length 1.
@@ -214,7 +214,7 @@ void ReadSensorPlaces(FileProblem& problem, TableReader& root, DeviceGeometry& d
     double q[4];
     ReadUnit(problem, reader, "orientation_base_sensor", q);
     device.sensors[i].orientation_base_sensor = {q[0], q[1], q[2], q[3]};
-    reader.Finish();
+    reader.ReportUnknownKeys();
   }
 }
 
@@ -228,7 +228,7 @@ void ReadCoils(FileProblem& problem, TableReader& root, DeviceGeometry& device) 
     device.coils[i].turns = reader.Integer("turns", kTurns);
     device.coils[i].layers = reader.Integer("layers", kLayers);
     ReadNumbers(reader, kCoilKeys, device.coils[i]);
-    reader.Finish();
+    reader.ReportUnknownKeys();
   }
 }
 
@@ -249,7 +249,7 @@ base::Result<DeviceGeometry> ParseDevice(const std::string& text, const std::str
   ReadCoils(problem, root, device);
   ReadSection(problem, root, "limits", kLimitKeys, device);
   ReadHeat(problem, *parsed, root, device.heat);
-  root.Finish();
+  root.ReportUnknownKeys();
   if (!problem.ok()) return base::Error{problem.message()};
   if (const std::string contradiction = GeometryProblem(device); !contradiction.empty()) {
     return base::Error{name + ": " + contradiction};
@@ -287,10 +287,10 @@ base::Result<std::vector<Mark>> ParseMarks(const std::string& text, const std::s
     Mark mark;
     mark.name = reader.Text("name", kMaxMarkNameBytes);
     mark.position_base_m = reader.Vector("position_base_m", kMarkPosition_m);
-    reader.Finish();
+    reader.ReportUnknownKeys();
     marks.push_back(std::move(mark));
   }
-  root.Finish();
+  root.ReportUnknownKeys();
   if (!problem.ok()) return base::Error{problem.message()};
   return marks;
 }

@@ -27,7 +27,7 @@ base::Result<FollowSettings> ParseFollow(const std::string& text, const std::str
     settings.position_source_m = reader.Vector("position_source_m", kMount_m);
     double q[4];
     reader.Numbers("orientation_source_wxyz", kMountUnit, q);
-    reader.Finish();
+    reader.ReportUnknownKeys();
     const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     if (problem.ok() && !(std::abs(norm - 1) < 1e-3)) {
       problem.Report(table->get("orientation_source_wxyz"),
@@ -36,7 +36,7 @@ base::Result<FollowSettings> ParseFollow(const std::string& text, const std::str
     }
     settings.orientation_source = {q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm};
   }
-  root.Finish();
+  root.ReportUnknownKeys();
   if (!problem.ok()) return base::Error{problem.message()};
   return settings;
 }

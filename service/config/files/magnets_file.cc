@@ -35,10 +35,10 @@ base::Result<std::vector<MagnetEntry>> ParseMagnets(const std::string& text, con
       entry.moment_Am2 = reader.Number("moment_Am2", kPenMoment_Am2);
       entry.sigma_share = reader.Number("sigma_share", {0, 1});
       entry.learnt_date = reader.Text("learnt_date", kMaxLearntBytes);
-      reader.Finish();
+      reader.ReportUnknownKeys();
     }
   }
-  root.Finish();
+  root.ReportUnknownKeys();
   if (!problem.ok()) return base::Error{problem.message()};
   return magnets;
 }

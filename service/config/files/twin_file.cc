@@ -154,7 +154,7 @@ void ReadSection(TwinText& text, const char* name, const NumberKey<T> (&keys)[N]
   TableReader reader(text.problem, *table, name);
   ReadNumbers(reader, keys, into, text.complete);
   more(reader);
-  reader.Finish();
+  reader.ReportUnknownKeys();
 }
 
 template <class T, std::size_t N>
@@ -174,7 +174,7 @@ void ReadList(TwinText& text, const char* key, std::size_t most, const NumberKey
     T& one = into.emplace_back();
     ReadNumbers(reader, keys, one);
     read(reader, one);
-    reader.Finish();
+    reader.ReportUnknownKeys();
   }
 }
 
@@ -275,7 +275,7 @@ base::Result<base::TruthParameters> ParseTwin(const std::string& text, const std
   ReadSection(file, "pen", kPenKeys, effects);
   ReadSection(file, "driver", kDriverKeys, effects);
   ReadRoom(file, effects);
-  file.root.Finish();
+  file.root.ReportUnknownKeys();
   if (!problem.ok()) return base::Error{problem.message()};
   return twin;
 }

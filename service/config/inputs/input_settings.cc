@@ -29,7 +29,7 @@ KeyDeviceRule ReadDevice(TableReader& reader, FileProblem& problem) {
     rule.name_glob = reader.Text("name", kMaxDeviceNameBytes);
   }
   rule.grab = reader.Boolean("grab", false);
-  reader.Finish();
+  reader.ReportUnknownKeys();
   return rule;
 }
 
@@ -60,8 +60,8 @@ base::Result<InputSettings> ParseInputSettings(const std::string& text, const st
       settings.inputs = ReadInputs(reader, problem);
     }
   }
-  root.Allow({"devices", "inputs"});
-  root.Finish();
+  root.AllowKeys({"devices", "inputs"});
+  root.ReportUnknownKeys();
   if (!problem.ok()) return base::Error{problem.message()};
   return settings;
 }

@@ -132,7 +132,7 @@ void ReadComponent(TableReader& reader, FileProblem& problem, InputComponent com
     std::string why;
     const auto source = FindSource(minus ? std::string_view(name).substr(1) : name, table.keys, why);
     if (!source) return problem.Report(reader.table().get(key), reader.NameOf(key) + ": \"" + name + "\" " + why);
-    (minus ? sources.minus : sources.plus) |= Bit(*source);
+    (minus ? sources.minus : sources.plus) |= SourceBit(*source);
   }
   table.mapping.at(component) = sources;
 }
@@ -164,7 +164,7 @@ InputTable ReadInputs(TableReader& reader, FileProblem& problem) {
     problem.Report(node != nullptr ? node : reader.table().get(row.above),
                    reader.NameOf(row.below) + " is not below " + row.above + "; make it smaller");
   }
-  reader.Finish();
+  reader.ReportUnknownKeys();
   return table;
 }
 
@@ -178,7 +178,7 @@ bool ShareKeys(std::vector<std::uint16_t>& slots, InputTable& table) {
   }
   if (grown.size() > static_cast<std::size_t>(base::kMaxKeys)) return false;
   const auto shared = [&](base::SourceMask mask) {
-    base::SourceMask out = mask & (Bit(InputSource::kFirstKey) - 1);
+    base::SourceMask out = mask & (SourceBit(InputSource::kFirstKey) - 1);
     for (std::size_t i = 0; i < slot_of.size(); ++i) {
       if ((mask & base::KeyBit(static_cast<int>(i))) != 0) out |= base::KeyBit(slot_of[i]);
     }

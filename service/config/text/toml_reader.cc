@@ -245,7 +245,7 @@ std::vector<const toml::table*> TableReader::Tables(const char* key, std::size_t
   return tables;
 }
 
-void TableReader::Finish() {
+void TableReader::ReportUnknownKeys() {
   for (const auto& [key, node] : table_) {
     if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
     std::string allowed;

@@ -69,9 +69,9 @@ class TableReader {
   std::vector<const toml::table*> Tables(const char* key, std::size_t least, std::size_t most);
 
   // Optional keys that this reader does not read.
-  void Allow(std::initializer_list<const char*> keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
+  void AllowKeys(std::initializer_list<const char*> keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
   // Reports keys that were not read: a misspelt optional key must not be ignored.
-  void Finish();
+  void ReportUnknownKeys();
 
   std::string NameOf(const char* key) const { return path_.empty() ? key : path_ + "." + key; }
   const toml::table& table() const { return table_; }

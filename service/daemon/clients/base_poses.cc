@@ -61,7 +61,7 @@ bool InReach(const alignment::Rigid& pose) {
 
 // The space's "up", seen from the base: turning about it changes nothing.
 base::Vec3 UpInBase(const alignment::Rigid& X_LB) {
-  return alignment::Apply({.orientation = alignment::Inverse(X_LB).orientation, .position_m = {}}, {0, 1, 0});
+  return alignment::TransformPoint({.orientation = alignment::Inverse(X_LB).orientation, .position_m = {}}, {0, 1, 0});
 }
 
 // Against the pose as measured, so that many small steps lead no further than one.
@@ -154,7 +154,7 @@ int BasePoses::FindFor(const protocol::BasePoseRequest& request) const {
   return -1;
 }
 
-void BasePoses::Request(ipc::ClientId id, const protocol::BasePoseRequest& request, std::int64_t now_unix_s) {
+void BasePoses::HandleRequest(ipc::ClientId id, const protocol::BasePoseRequest& request, std::int64_t now_unix_s) {
   clients_.erase(id);
   if (const int found = FindFor(request); found >= 0) {
     config::AlignmentEntry& entry = file_.entries[static_cast<std::size_t>(found)];
@@ -196,7 +196,7 @@ void BasePoses::Changed(std::size_t index) {
 }
 
 // X_newB = (X_prev_new)^-1 X_prevB
-void BasePoses::Change(ipc::ClientId id, const protocol::SpaceChange& change, std::int64_t now_ns) {
+void BasePoses::HandleSpaceChange(ipc::ClientId id, const protocol::SpaceChange& change, std::int64_t now_ns) {
   const int found = FindToMove(id, change.space);
   if (found < 0) return;
   const auto index = static_cast<std::size_t>(found);
@@ -239,7 +239,7 @@ bool BasePoses::Follows(const protocol::BasePoseRequest& request) const {
   return followed_ && (followed_->runtime[0] == '\0' || SameNames(request.headset, *followed_));
 }
 
-void BasePoses::Feel(const base::Vec3& field_base_T) {
+void BasePoses::UpdateField(const base::Vec3& field_base_T) {
   if (followed_) return;
   const bool same = base::Distance(field_base_T, steady_field_T_) < kSteady_T;
   steady_s_ = same ? steady_s_ + 1 : 0;
@@ -367,7 +367,7 @@ BasePoses::Done BasePoses::Check(const protocol::BasePoseCommand& command, std::
   }
   CountStart(entry, now_unix_s);
   entry.used = IsoDate(now_unix_s);
-  entry.drift = config::Checked(entry.drift, offset_m, 1e-3 * entry.expected_error_mm, correct);
+  entry.drift = config::DriftAfterCheck(entry.drift, offset_m, 1e-3 * entry.expected_error_mm, correct);
   if (correct) {
     SetPose(there, entry);
     ++entry.recentred;
@@ -441,7 +441,7 @@ const protocol::BasePoseRequest* BasePoses::RequestOf(ipc::ClientId id) const {
   return client == clients_.end() ? nullptr : &client->second.request;
 }
 
-bool BasePoses::Aligned(ipc::ClientId id) const {
+bool BasePoses::IsAligned(ipc::ClientId id) const {
   const auto client = clients_.find(id);
   if (client == clients_.end() || file_.uncalibrated == config::UncalibratedPolicy::kOff) return false;
   if (Follows(client->second.request)) return followed_seen_;
@@ -453,12 +453,12 @@ BasePoseWriter::BasePoseWriter(Reply reply) : reply_(std::move(reply)), writer_(
 
 BasePoses::Write BasePoseWriter::write() {
   return [this](const std::string& path, const std::string& text) {
-    requested_ = writer_.Request(path, text);
+    requested_ = writer_.RequestWrite(path, text);
     return base::Status(base::Ok{});
   };
 }
 
-void BasePoseWriter::Answer(ipc::ClientId id, std::uint32_t number, const BasePoses::Done& done) {
+void BasePoseWriter::ReplyWhenWritten(ipc::ClientId id, std::uint32_t number, const BasePoses::Done& done) {
   if (!done.ok || written_ == requested_) return reply_(id, number, done.ok, done.text);
   late_.push_back({requested_, id, number, done.text});  // it is true once the file is written
 }

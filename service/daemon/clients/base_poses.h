@@ -1,4 +1,4 @@
-// Where the base stands in the spaces of connected applications: the file, the clients that requested a placement, and
+// Where the base stands in the spaces of connected applications: the file, the clients that requested a base pose, and
 // the notification of changes. Builds of one runtime share an alignment (config/runtime_identity.h). Control thread
 // only.
 #pragma once
@@ -30,11 +30,11 @@ class BasePoses {
   explicit BasePoses(std::string path, Write write = config::WriteTextFile);
 
   // With an alignment that no application has used for kHeadsetPause_s, the headset counts as started since.
-  void Request(ipc::ClientId id, const protocol::BasePoseRequest& request, std::int64_t now_unix_s);
+  void HandleRequest(ipc::ClientId id, const protocol::BasePoseRequest& request, std::int64_t now_unix_s);
   void Remove(ipc::ClientId id, std::int64_t now_unix_s);
   // A change of a space that this client has requested. The same change reported by several applications counts once.
   // An implausible one leaves the alignment where it is, but doubtful. `now_ns`: CLOCK_MONOTONIC.
-  void Change(ipc::ClientId id, const protocol::SpaceChange& change, std::int64_t now_ns);
+  void HandleSpaceChange(ipc::ClientId id, const protocol::SpaceChange& change, std::int64_t now_ns);
 
   // Once a second, while it is known: the uniform field about the base. A base that is turned, or carried to where iron
   // bends the earth's field otherwise, sees another one: the alignments measured before are doubtful until the field is
@@ -45,7 +45,7 @@ class BasePoses {
   static constexpr double kSteady_T = 3e-6;  // of a field that is kept with an alignment ...
   static constexpr int kSteady_s = 20;  // ... once it was steady for so long: a controller is near while one aligns
   // A base that moves sees another field at each place: nothing is concluded from it.
-  void Feel(const base::Vec3& field_base_T);
+  void UpdateField(const base::Vec3& field_base_T);
 
   // The headset in whose spaces the base moves; without names: any; none: it stands where it was measured.
   // `seen`: where it is now is known.
@@ -63,8 +63,8 @@ class BasePoses {
   // Notifies every client of changes. If `send` returns false, the next call tries again.
   void Notify(const std::function<bool(ipc::ClientId, const protocol::BasePose&)>& send);
 
-  // This client's spaces have a measured, undoubted placement, or it is known how the base moves in them.
-  bool Aligned(ipc::ClientId id) const;
+  // This client's spaces have a measured, undoubted base pose, or it is known how the base moves in them.
+  bool IsAligned(ipc::ClientId id) const;
   // The request of this client; null: none yet.
   const protocol::BasePoseRequest* RequestOf(ipc::ClientId id) const;
   const config::AlignmentFile& file() const { return file_; }
@@ -121,7 +121,7 @@ class BasePoseWriter {
 
   BasePoses::Write write();
   // After BasePoses::Do: replies at once, or when its change is written.
-  void Answer(ipc::ClientId id, std::uint32_t number, const BasePoses::Done& done);
+  void ReplyWhenWritten(ipc::ClientId id, std::uint32_t number, const BasePoses::Done& done);
   // Once per period: handles completed writes.
   void HandleWritten(BasePoses& base_poses);
 

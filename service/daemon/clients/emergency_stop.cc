@@ -63,7 +63,7 @@ void EmergencyStop::Request() {
     return;
   }
   try {
-    requested_ = writer_.Request(state_.file, state_.on ? state_.by + "\n" + state_.at : std::string());
+    requested_ = writer_.RequestWrite(state_.file, state_.on ? state_.by + "\n" + state_.at : std::string());
   } catch (const std::exception& caught) {  // no memory, no thread
     Settle(base::Error{state_.file + ": cannot be written: " + caught.what()});
   }

@@ -16,7 +16,8 @@ double Norm(const std::array<double, 3>& v) { return base::Norm({v[0], v[1], v[2
 
 }  // namespace
 
-FollowedBase::Taken FollowedBase::Take(ipc::ClientId id, const protocol::BaseMotion& motion, std::int64_t now_ns) {
+FollowedBase::Taken FollowedBase::HandleMotion(ipc::ClientId id, const protocol::BaseMotion& motion,
+                                               std::int64_t now_ns) {
   if (source_ != 0 && source_ != id && now_ns - heard_ns_ < kHandOver_ns) {
     return Refuse(id, "another program reports already where the base is; end it first", {});
   }

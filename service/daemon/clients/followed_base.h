@@ -35,7 +35,7 @@ class FollowedBase {
     const char* problem = nullptr;               // why it is not used; once, not with every pose
   };
   // `now_ns`: CLOCK_MONOTONIC.
-  Taken Take(ipc::ClientId id, const protocol::BaseMotion& motion, std::int64_t now_ns);
+  Taken HandleMotion(ipc::ClientId id, const protocol::BaseMotion& motion, std::int64_t now_ns);
   // The end of a client. It goes on to follow: the last pose holds, not tracked.
   std::optional<protocol::BaseSample> Remove(ipc::ClientId id, std::int64_t now_ns);
 

@@ -73,7 +73,7 @@ void ForceClients::EndAll() {
   command_.constraint_count = 0;
 }
 
-bool ForceClients::Handle(ipc::ClientId id, const protocol::ForceRequest& request, std::int64_t now_ns) {
+bool ForceClients::HandleRequest(ipc::ClientId id, const protocol::ForceRequest& request, std::int64_t now_ns) {
   const auto found = clients_.find(id);
   if (found == clients_.end()) return false;
   if (const auto* claim = std::get_if<protocol::ForceClaim>(&request)) {
@@ -88,7 +88,7 @@ bool ForceClients::Handle(ipc::ClientId id, const protocol::ForceRequest& reques
   return true;
 }
 
-haptics::AppliedCommand ForceClients::Command(std::int64_t now_ns) const {
+haptics::AppliedCommand ForceClients::MakeCommand(std::int64_t now_ns) const {
   haptics::AppliedCommand command = command_;
   command.open = claimed_owner() != 0;
   // The tick uses the device's stamps; if those stand still, this clock ends the force.

@@ -31,10 +31,10 @@ class ForceClients {
   void SetOwner(ipc::ClientId owner);
 
   // False: the client is not active now, and nothing has changed.
-  bool Handle(ipc::ClientId id, const protocol::ForceRequest& request, std::int64_t now_ns);
+  bool HandleRequest(ipc::ClientId id, const protocol::ForceRequest& request, std::int64_t now_ns);
 
   // For the tick, which suspends it while the owner is silent.
-  haptics::AppliedCommand Command(std::int64_t now_ns) const;
+  haptics::AppliedCommand MakeCommand(std::int64_t now_ns) const;
 
   // Notifies every application of changes. Messages that could not be sent are retried by the next call.
   void Notify(const protocol::ForceProperties& properties);

@@ -31,7 +31,7 @@ const char* SessionName(protocol::SessionState state) {
 
 json FaultNames(std::uint32_t faults) {
   json names = json::array();
-  for (const wire::FaultText& fault : wire::Faults()) {
+  for (const wire::FaultText& fault : wire::FaultTexts()) {
     if ((faults & fault.fault) != 0) names.push_back(fault.name);
   }
   return names;
@@ -178,7 +178,7 @@ json Inputs(const StatusInput& input, const loop::TickThread* loop, json key_dev
   if (loop != nullptr) {
     const loop::SourceStatistics& state = loop->statistics().sources;
     const base::SourceMask on = state.on.load(std::memory_order_relaxed);
-    const base::SourceMask gestures = Bit(base::InputSource::kThumbstickX) - Bit(base::InputSource::kPress);
+    const base::SourceMask gestures = SourceBit(base::InputSource::kThumbstickX) - SourceBit(base::InputSource::kPress);
     for (base::SourceMask mask = input.mapping.used() | gestures; mask != 0; mask &= mask - 1) {
       const auto index = static_cast<std::size_t>(__builtin_ctzll(mask));
       sources.push_back({{"name", config::SourceText(static_cast<base::InputSource>(index), input.key_slots)},
@@ -203,7 +203,7 @@ json ClientRows(const StatusInput& input) {
                     {"scene", scene == nullptr ? "" : scene->file},
                     {"soft_bodies", SoftBodies(input.scenes.ProgressOf(id))},
                     {"sculpted", SculptedOf(scene.get())},
-                    {"aligned", input.base_poses.Aligned(id)},
+                    {"aligned", input.base_poses.IsAligned(id)},
                     {"runtime", request == nullptr ? "" : request->headset.runtime},
                     {"system", request == nullptr ? "" : request->headset.system}});
   }

@@ -41,13 +41,13 @@ void Vibration::Start(loop::VibrationKind kind, double duration_s) {
   waveform_ = {.id = waveform_.id + 1, .active = true, .kind = kind, .duration_s = duration_s};
 }
 
-void Vibration::Tone(const protocol::Haptic& haptic) {
+void Vibration::PlayTone(const protocol::Haptic& haptic) {
   Start(loop::VibrationKind::kTone, Seconds(haptic.duration_ns));
   waveform_.amplitude = static_cast<double>(haptic.amplitude);
   waveform_.frequency_Hz = static_cast<double>(haptic.frequency_Hz);
 }
 
-void Vibration::Shape(const protocol::ShapedHaptic& haptic, std::int64_t now_ns) {
+void Vibration::PlayShaped(const protocol::ShapedHaptic& haptic, std::int64_t now_ns) {
   fresh_ = true;
   if (haptic.waveform.kind == protocol::WaveformKind::kPcm) return Append(haptic, now_ns);
   Start(loop::VibrationKind::kEnvelope, Seconds(haptic.waveform.duration_ns));

@@ -13,8 +13,8 @@ namespace omni::daemon {
 class Vibration {
  public:
   // Each, except appended PCM, replaces the one before.
-  void Tone(const protocol::Haptic& haptic);
-  void Shape(const protocol::ShapedHaptic& haptic, std::int64_t now_ns);
+  void PlayTone(const protocol::Haptic& haptic);
+  void PlayShaped(const protocol::ShapedHaptic& haptic, std::int64_t now_ns);
   void Stop() { waveform_.active = false; }
 
   const loop::HapticWaveform& waveform() const { return waveform_; }

@@ -115,7 +115,7 @@ bool DeviceKeeper::Open() {
   reported_.clear();
   if (opened->transport->info().simulation && !IsTwin(options_.device)) spdlog::warn("SIMULATION: {}", kSimulationText);
   loop::TickConfig config = Calibrated(opened->serial);
-  magnets_.Open(opened->serial, calibration_ ? calibration_->moment_Am2 : 0, config.tracker.magnets);
+  magnets_.LoadKnownMagnets(opened->serial, calibration_ ? calibration_->moment_Am2 : 0, config.tracker.magnets);
   Record(options, *opened);
   session_ =
       std::make_unique<Session>(std::move(*opened), config, calibration_ ? &*calibration_ : nullptr, options_, sink_);
@@ -166,7 +166,7 @@ void DeviceKeeper::WatchRoom() {
   room::RoomWatch& room = session_->room;
   const std::vector<room::RoomFinding> before = room.findings();
   const tracker::RoomSample& sample = session_->loop.room().Read();
-  magnets_.Add(sample.tool, static_cast<std::int64_t>(std::time(nullptr)));
+  magnets_.AddSample(sample.tool, static_cast<std::int64_t>(std::time(nullptr)));
   const bool stored = magnets_.HandleWritten();
   const bool news = room.Add(sample);
   if (room.field()) attached_.With([&](auto& state) { state.field = *room.field(); });
@@ -219,9 +219,9 @@ void DeviceKeeper::LogFaults() {
   const device::TransportState state = transport.state();
   device::BaseNote note;
   for (std::size_t i = 0; i < device::BaseNotes::kCapacity && transport.PopNote(note); ++i) {
-    session_->faults.Hear(note, base::MonotonicNow_ns());
+    session_->faults.AddNote(note, base::MonotonicNow_ns());
   }
-  for (const FaultLine& line : session_->faults.News(state)) {
+  for (const FaultLine& line : session_->faults.PopLines(state)) {
     spdlog::log(line.is_problem ? spdlog::level::err : spdlog::level::info, "device: {}", line.text);
   }
 }
@@ -244,7 +244,7 @@ void DeviceKeeper::WatchRecording() {
   spdlog::error("{}", problem);
 }
 
-bool DeviceKeeper::Watch() {
+bool DeviceKeeper::Poll() {
   WatchRecording();
   if (session_ != nullptr) LogFaults();
   if (session_ != nullptr) WatchRoom();

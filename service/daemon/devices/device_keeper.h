@@ -28,7 +28,7 @@ class DeviceKeeper {
   // False: it cannot be opened now. A lost device may come back; a rejected replay never will.
   bool Open();
   // Ten times a second; opens a lost device again. False: a replay has ended.
-  bool Watch();
+  bool Poll();
 
  private:
   struct Session;

@@ -35,7 +35,7 @@ void FaultLog::Say(bool is_problem, std::string text, std::int64_t now_ns) {
   lines_.push_back({is_problem, std::move(text)});
 }
 
-void FaultLog::Hear(const device::BaseNote& note, std::int64_t now_ns) {
+void FaultLog::AddNote(const device::BaseNote& note, std::int64_t now_ns) {
   left_out_ += note.lost_before;
   if (note.type == wire::MessageType::kFault) {
     HearFault(note.fault, now_ns);
@@ -69,12 +69,12 @@ std::string FaultLog::TakePlace(std::uint32_t fault) {
   return place;
 }
 
-std::vector<FaultLine> FaultLog::News(const device::TransportState& state) {
+std::vector<FaultLine> FaultLog::PopLines(const device::TransportState& state) {
   std::vector<FaultLine> news = std::exchange(lines_, {});
   // Those of the host come and go with every start and are cleared by arming.
   const std::uint32_t now = state.faults & ~wire::kFaultsOfTheHost;
   const std::uint32_t before = last_.faults & ~wire::kFaultsOfTheHost;
-  for (const wire::FaultText& fault : wire::Faults()) {
+  for (const wire::FaultText& fault : wire::FaultTexts()) {
     if ((now & ~before & fault.fault) == 0) continue;
     news.push_back({true, FaultLineText(fault, TakePlace(fault.fault))});
   }

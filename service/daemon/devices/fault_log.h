@@ -31,9 +31,9 @@ class LineRate {
 class FaultLog {
  public:
   // Messages of the base, in their order; call before News.
-  void Hear(const device::BaseNote& note, std::int64_t now_ns);
+  void AddNote(const device::BaseNote& note, std::int64_t now_ns);
   // New lines since the last call.
-  std::vector<FaultLine> News(const device::TransportState& state);
+  std::vector<FaultLine> PopLines(const device::TransportState& state);
 
  private:
   struct Heard {

@@ -38,7 +38,8 @@ void MagnetBook::Drop(const std::string& what, const std::string& fix) {
   spdlog::warn("magnets: {}", RoomText(*problem_));
 }
 
-void MagnetBook::Open(const std::string& serial, double calibrated_moment_Am2, tracker::MagnetOptions& options) {
+void MagnetBook::LoadKnownMagnets(const std::string& serial, double calibrated_moment_Am2,
+                                  tracker::MagnetOptions& options) {
   serial_ = serial;
   calibrated_moment_Am2_ = calibrated_moment_Am2;
   options_ = options;
@@ -53,7 +54,7 @@ void MagnetBook::Open(const std::string& serial, double calibrated_moment_Am2, t
   }
 }
 
-bool MagnetBook::Add(const base::ToolState& tool, std::int64_t now_unix_s) {
+bool MagnetBook::AddSample(const base::ToolState& tool, std::int64_t now_unix_s) {
   const bool learnt = tool.status == base::TrackingStatus::kTracking && tool.magnet == base::MagnetIdentity::kKnown &&
                       tool.moment_sigma <= options_.identified;
   if (!learnt || !readable_ || !(calibrated_moment_Am2_ > 0)) return false;
@@ -70,7 +71,7 @@ bool MagnetBook::Add(const base::ToolState& tool, std::int64_t now_unix_s) {
       {.base = serial_, .moment_Am2 = moment_Am2, .sigma_share = sigma_share, .learnt_date = DateOf(now_unix_s)});
   spdlog::info("magnets: a pen of {:.3g} A m2 is known from now on ({:.3g} of the calibrated one)", moment_Am2,
                tool.moment_scale);
-  if (!path_.empty()) writer_.Request(path_, config::WriteMagnets(entries_));
+  if (!path_.empty()) writer_.RequestWrite(path_, config::WriteMagnets(entries_));
   return true;
 }
 

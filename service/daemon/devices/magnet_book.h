@@ -21,10 +21,10 @@ class MagnetBook {
   explicit MagnetBook(std::string path, FileWriter::Write write);
 
   // A device is opened, with this calibration. Sets the magnets known of it.
-  void Open(const std::string& serial, double calibrated_moment_Am2, tracker::MagnetOptions& options);
+  void LoadKnownMagnets(const std::string& serial, double calibrated_moment_Am2, tracker::MagnetOptions& options);
 
   // A sample of the loop. True: a magnet was added, and is being written.
-  bool Add(const base::ToolState& tool, std::int64_t now_unix_s);
+  bool AddSample(const base::ToolState& tool, std::int64_t now_unix_s);
   // Now and then: results of writing. True: problem() has changed.
   bool HandleWritten();
 

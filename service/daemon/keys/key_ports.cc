@@ -27,7 +27,7 @@ std::string Reason(int code) { return std::generic_category().message(code); }
 
 class EvdevPorts : public KeyPorts {
  public:
-  std::vector<std::string> Find(const config::KeyDeviceRule& rule) override {
+  std::vector<std::string> FindDevices(const config::KeyDeviceRule& rule) override {
     if (!rule.path.empty()) return ByPath(rule.path);
     return ByName(rule.name_glob);
   }

@@ -72,7 +72,7 @@ void KeyThread::Run() {
 // Opens the devices of a rule that are not open yet.
 void KeyThread::Search() {
   for (std::size_t rule = 0; rule < options_.devices.size(); ++rule) {
-    for (const std::string& path : ports_->Find(options_.devices[rule])) {
+    for (const std::string& path : ports_->FindDevices(options_.devices[rule])) {
       const bool known =
           std::any_of(open_.begin(), open_.end(), [&](const Port& port) { return port.fd >= 0 && port.path == path; });
       if (!known) OpenPort(rule, path);

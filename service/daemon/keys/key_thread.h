@@ -23,7 +23,7 @@ class KeyPorts {
  public:
   virtual ~KeyPorts() = default;
   // Present devices that match a rule: paths, each device once.
-  virtual std::vector<std::string> Find(const config::KeyDeviceRule& rule) = 0;
+  virtual std::vector<std::string> FindDevices(const config::KeyDeviceRule& rule) = 0;
   // A non-blocking descriptor with CLOCK_MONOTONIC time stamps. The error says what to do.
   virtual base::Result<int> Open(const std::string& path, bool grab) = 0;
   // Whether each of `codes` is down now; empty: it cannot be known.

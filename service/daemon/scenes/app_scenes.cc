@@ -163,17 +163,17 @@ std::shared_ptr<const BuiltScene> AppScenes::Accept(BuiltScene built) {
   return scene.built;
 }
 
-bool AppScenes::Stands(ipc::ClientId id) const {
+bool AppScenes::HasBeenReady(ipc::ClientId id) const {
   const auto found = scenes_.find(id);
   return found != scenes_.end() && found->second.built != nullptr;
 }
 
-std::shared_ptr<const BuiltScene> AppScenes::Active(ipc::ClientId id) const {
+std::shared_ptr<const BuiltScene> AppScenes::ActiveScene(ipc::ClientId id) const {
   const auto found = scenes_.find(id);
   return found == scenes_.end() || !found->second.enabled ? nullptr : found->second.built;
 }
 
-bool AppScenes::Holds(const std::shared_ptr<const BuiltScene>& scene) const {
+bool AppScenes::Contains(const std::shared_ptr<const BuiltScene>& scene) const {
   return std::any_of(scenes_.begin(), scenes_.end(), [&](const auto& entry) { return entry.second.built == scene; });
 }
 

@@ -48,11 +48,11 @@ class AppScenes {
   std::shared_ptr<const BuiltScene> Accept(BuiltScene built);
 
   // It has been ready once: from then on the client's scene from apps.d is not used.
-  bool Stands(ipc::ClientId id) const;
+  bool HasBeenReady(ipc::ClientId id) const;
   // Null: none, because it is not enabled.
-  std::shared_ptr<const BuiltScene> Active(ipc::ClientId id) const;
-  bool Holds(const std::shared_ptr<const BuiltScene>& scene) const;
-  // Fills in what the tick needs. Precondition: Stands(id).
+  std::shared_ptr<const BuiltScene> ActiveScene(ipc::ClientId id) const;
+  bool Contains(const std::shared_ptr<const BuiltScene>& scene) const;
+  // Fills in what the tick needs. Precondition: HasBeenReady(id).
   void FillControl(ipc::ClientId id, std::uint64_t generation, loop::SceneControl& control) const;
 
   // Notifies every client of changes. `felt`: the client whose scene is active; `generation`: of that scene.

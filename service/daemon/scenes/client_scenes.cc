@@ -81,7 +81,7 @@ void ClientScenes::ReportSoftBody(const SoftOutcome& soft) {
 }
 
 std::shared_ptr<const BuiltScene> ClientScenes::Of(ipc::ClientId id) const {
-  if (documents_.Stands(id)) return documents_.Active(id);
+  if (documents_.HasBeenReady(id)) return documents_.ActiveScene(id);
   const auto found = files_.find(id);
   return found == files_.end() ? nullptr : found->second;
 }
@@ -92,21 +92,22 @@ SoftProgress ClientScenes::ProgressOf(ipc::ClientId id) const {
 }
 
 void ClientScenes::SetOwner(ipc::ClientId owner) {
-  if (handed_.Give(Of(owner)) && felt() != nullptr) sculpt_.Enter(*felt()->scene);
+  if (handed_.Give(Of(owner)) && felt() != nullptr) sculpt_.EnterScene(*felt()->scene);
 }
 
 loop::SceneControl ClientScenes::ControlOf(ipc::ClientId owner) const {
   loop::SceneControl control;
-  if (documents_.Active(owner) != nullptr) documents_.FillControl(owner, generation(), control);
+  if (documents_.ActiveScene(owner) != nullptr) documents_.FillControl(owner, generation(), control);
   return control;
 }
 
 void ClientScenes::Release(std::optional<std::uint64_t> taken) {
   for (const std::shared_ptr<const BuiltScene>& scene : handed_.Release(taken)) {
     if (scene == handed_.newest()) continue;  // it came back
-    sculpt_.Leave(*scene->scene);
-    const bool kept = documents_.Holds(scene) || std::any_of(files_.begin(), files_.end(),
-                                                             [&](const auto& entry) { return entry.second == scene; });
+    sculpt_.LeaveScene(*scene->scene);
+    const bool kept = documents_.Contains(scene) || std::any_of(files_.begin(), files_.end(), [&](const auto& entry) {
+                        return entry.second == scene;
+                      });
     if (!kept) sculpt_.Remove(*scene->scene);
   }
 }

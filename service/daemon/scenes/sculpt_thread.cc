@@ -70,7 +70,7 @@ void SculptThread::Add(std::uint64_t client, const std::string& file,
   if (ended.joinable()) ended.join();
 }
 
-void SculptThread::Enter(const haptics::Scene& scene) {
+void SculptThread::EnterScene(const haptics::Scene& scene) {
   if (!HasSculptSession(scene)) return;
   {
     const std::lock_guard lock(mutex_);
@@ -82,7 +82,7 @@ void SculptThread::Enter(const haptics::Scene& scene) {
   wake_.notify_one();
 }
 
-void SculptThread::Leave(const haptics::Scene& scene) {
+void SculptThread::LeaveScene(const haptics::Scene& scene) {
   if (!HasSculptSession(scene)) return;
   const std::lock_guard lock(mutex_);
   Sculpted* sculpted = Find(scene);

@@ -61,10 +61,10 @@ class SculptThread {
   // Adds a client's scene, loaded from `file`. Held until Remove.
   void Add(std::uint64_t client, const std::string& file, const std::shared_ptr<const haptics::Scene>& scene);
   // Call each time before the scene is handed to the tick: from here on nothing that the tick may read is reused.
-  void Enter(const haptics::Scene& scene);
+  void EnterScene(const haptics::Scene& scene);
   // The tick no longer uses the scene: it has acknowledged a newer hand-over, or its thread has ended. Ends open
   // strokes.
-  void Leave(const haptics::Scene& scene);
+  void LeaveScene(const haptics::Scene& scene);
   // The scene is no longer used. Precondition: never entered, or left since.
   void Remove(const haptics::Scene& scene);
 

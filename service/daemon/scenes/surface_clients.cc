@@ -7,7 +7,7 @@ namespace omni::daemon {
 SurfaceClients::SurfaceClients(std::uint64_t service_instance, Snapshot snapshot, Send send)
     : service_instance_(service_instance), snapshot_(std::move(snapshot)), send_(std::move(send)) {}
 
-void SurfaceClients::Request(ipc::ClientId id, bool wanted) {
+void SurfaceClients::HandleRequest(ipc::ClientId id, bool wanted) {
   if (wanted) {
     reported_[id] = std::nullopt;
   } else {

@@ -26,7 +26,7 @@ class SurfaceClients {
   SurfaceClients(std::uint64_t service_instance, Snapshot snapshot, Send send);
 
   // A repeated request counts, too: it is answered again.
-  void Request(ipc::ClientId id, bool wanted);
+  void HandleRequest(ipc::ClientId id, bool wanted);
   void Remove(ipc::ClientId id);
 
   // Once per period: the scene that the tick should have, null: none. Returns a new problem for people, or nothing.

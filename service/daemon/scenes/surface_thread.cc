@@ -35,7 +35,7 @@ bool SurfacePoller::Poll(std::int64_t now_ns) {
   }
   if (outgrown && !MakeMemory()) return false;
   for (std::size_t i = 0; i < shown_.size(); ++i) Publish(i);
-  memory_->Pulse(now_ns);
+  memory_->PublishPulse(now_ns);
   return true;
 }
 

@@ -121,7 +121,7 @@ class LibusbBus final : public UsbBus {
  public:
   LibusbBus(LibusbContext context, bool realtime) : context_(std::move(context)), realtime_(realtime) {}
 
-  base::Result<std::vector<UsbBase>> List() override {
+  base::Result<std::vector<UsbBase>> ListBases() override {
     const DeviceList devices(context_.get());
     if (devices.count() < 0) {
       return base::Error{LibusbProblem(static_cast<int>(devices.count()), "list devices", "/dev/bus/usb")};

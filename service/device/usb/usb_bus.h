@@ -53,7 +53,7 @@ class UsbBus {
  public:
   virtual ~UsbBus() = default;
   // By VID:PID, in the order of their ports.
-  virtual base::Result<std::vector<UsbBase>> List() = 0;
+  virtual base::Result<std::vector<UsbBase>> ListBases() = 0;
   // Claims the vendor interface. An error names the process that holds it.
   virtual base::Result<std::unique_ptr<UsbLink>> Open(const UsbBase& base) = 0;
   // Vendor request without data; works while another program holds the interface.

@@ -37,7 +37,7 @@ class Prober final : public UsbHandler {
     if (std::exchange(wants_fault_, false)) return Empty(wire::MessageType::kFault, frame, capacity);
     wire::Arm arm;
     const bool heard = alive_next_ns_ != 0;  // a base that has not heard its host yet would refuse
-    if (arms_ && heard && arming_.Next(t_ns, arm)) return wire::Encode(arm, seq_++, 0, frame, capacity).size;
+    if (arms_ && heard && arming_.NextToSend(t_ns, arm)) return wire::Encode(arm, seq_++, 0, frame, capacity).size;
     return arms_ ? Alive(t_ns, frame, capacity) : 0;
   }
   void OnSendFailed() noexcept override {}

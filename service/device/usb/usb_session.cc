@@ -238,7 +238,7 @@ std::size_t UsbSession::NextFrame(std::int64_t t_ns, std::uint8_t* frame, std::s
   if (phase != Phase::kRunning) return 0;
   wire::Arm arm;
   const bool heard = counters_.sent.value() != 0;  // a base that has not heard its host yet would refuse
-  if (heard && arming_.Next(t_ns, arm)) return wire::Encode(arm, seq_++, 0, frame, capacity).size;
+  if (heard && arming_.NextToSend(t_ns, arm)) return wire::Encode(arm, seq_++, 0, frame, capacity).size;
   return NextCommand(t_ns, frame, capacity);
 }
 

@@ -41,7 +41,7 @@ base::Error NoHello(const std::string& name, wire::Status last_refused) {
 
 base::Result<std::unique_ptr<Transport>> MakeUsbTransport(UsbBus& bus, const std::string& serial,
                                                           std::int64_t hello_timeout_ns) {
-  const base::Result<std::vector<UsbBase>> bases = bus.List();
+  const base::Result<std::vector<UsbBase>> bases = bus.ListBases();
   if (!bases.ok()) return base::Error{bases.error()};
   const base::Result<UsbBase> chosen = ChooseUsbBase(*bases, serial);
   if (!chosen.ok()) return base::Error{chosen.error()};

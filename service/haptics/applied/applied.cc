@@ -44,7 +44,7 @@ Vec3 StepForce(const AppliedConfig& config, const AppliedCommand& command, const
   const bool due = command.open && input.allowed && base::StampDifference_ns(command.force_end_ns, input.t_ns) > 0;
   if (command.force_id != state.force_id) {
     state.force_id = command.force_id;
-    const bool usable = due && Within(command.force_base_N, 1e6) && command.ramp_s >= 0;
+    const bool usable = due && IsWithin(command.force_base_N, 1e6) && command.ramp_s >= 0;
     MoveForce(state, usable ? command.force_base_N : Vec3{}, usable ? command.ramp_s : config.close_s);
   }
   if (!due && state.to_N != Vec3{}) MoveForce(state, {}, config.close_s);
@@ -79,7 +79,7 @@ Springs ConstraintSprings(const AppliedCommand& command, const AppliedInput& inp
   const Vec3 tip = input.device_point_base_m + given.predict_s * input.velocity_base_m_s;
   for (std::uint32_t i = 0; i < springs.count; ++i) {
     Spring& spring = springs.of[i];
-    spring.shape = Moved(command.constraints[i], after_s);
+    spring.shape = MovedConstraint(command.constraints[i], after_s);
     spring.stretch = StretchOf(spring.shape, tip);
     const double bound_N_m = BoundTo(given, spring);
     const double asked_N_m = std::max(0.0, spring.shape.stiffness_N_m);
@@ -160,7 +160,7 @@ Rendered Sum(const Springs& springs, const AppliedInput& input, const StiffnessB
     const double damping_Ns_m = damping_share * std::max(0.0, spring.shape.damping_Ns_m);
     const Vec3 force_N =
         ForceOf(spring.shape, spring.stretch, stiffness_N_m, damping_Ns_m, tip, input.velocity_base_m_s);
-    if (!Within(force_N, 1e6)) continue;
+    if (!IsWithin(force_N, 1e6)) continue;
     all.force_N = all.force_N + force_N;
     all.stored_J += StoredIn_J(spring.shape, spring.stretch, stiffness_N_m);
     if (spring.load > 0) all.stiffness_N_m = std::max(all.stiffness_N_m, stiffness_N_m);
@@ -218,8 +218,8 @@ Vec3 Limited(const AppliedConfig& config, const Vec3& wanted_N, double dt_s, con
 }
 
 bool Usable(const AppliedInput& input) noexcept {
-  return input.tracked && Within(input.device_point_base_m, kFarthest_m) &&
-         Within(input.velocity_base_m_s, kFastest_m_s);
+  return input.tracked && IsWithin(input.device_point_base_m, kFarthest_m) &&
+         IsWithin(input.velocity_base_m_s, kFastest_m_s);
 }
 
 }  // namespace
@@ -230,8 +230,8 @@ bool IsAtRest(const AppliedCommand& command, const AppliedState& state) noexcept
   return state.last_N == Vec3{} && state.presence == 0 && state.force_presence == 0 && (!command.open || nothing_new);
 }
 
-void Apply(const AppliedConfig& config, const AppliedCommand& command, const AppliedInput& measured,
-           AppliedState& state, AppliedOutput& output) noexcept {
+void ComputeAppliedForce(const AppliedConfig& config, const AppliedCommand& command, const AppliedInput& measured,
+                         AppliedState& state, AppliedOutput& output) noexcept {
   output = AppliedOutput{};
   AppliedInput input = measured;
   input.tracked = Usable(measured);

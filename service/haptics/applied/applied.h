@@ -84,7 +84,7 @@ struct AppliedOutput {
 bool IsAtRest(const AppliedCommand& command, const AppliedState& state) noexcept;
 
 // noexcept, no allocation, no system call; whatever the command holds, the force is finite and within its limits.
-void Apply(const AppliedConfig& config, const AppliedCommand& command, const AppliedInput& input, AppliedState& state,
-           AppliedOutput& output) noexcept;
+void ComputeAppliedForce(const AppliedConfig& config, const AppliedCommand& command, const AppliedInput& input,
+                         AppliedState& state, AppliedOutput& output) noexcept;
 
 }  // namespace omni::haptics

@@ -62,7 +62,7 @@ Vec3 AtMost(double most_N, const Vec3& force_N) noexcept {
 
 }  // namespace
 
-Constraint Moved(const Constraint& constraint, double after_s) noexcept {
+Constraint MovedConstraint(const Constraint& constraint, double after_s) noexcept {
   const double dt_s = std::clamp(after_s, 0.0, kAdvanceMax_s);
   Constraint moved = constraint;
   moved.point_base_m = constraint.point_base_m + dt_s * constraint.velocity_base_m_s;

@@ -32,7 +32,7 @@ struct Constraint {
 static_assert(std::is_trivially_copyable_v<Constraint>);
 
 // The constraint `after_s` later.
-Constraint Moved(const Constraint& constraint, double after_s) noexcept;
+Constraint MovedConstraint(const Constraint& constraint, double after_s) noexcept;
 
 // The directions in which a spring is stiff, to first order.
 struct Subspace {

@@ -34,7 +34,7 @@ void Measure(const ContactScene& contact_scene, const Target& target, const Cont
     met.normal = (1 / met.depth_m) * d;
     return;
   }
-  met.normal = contact_scene.On(target.index, [&](const auto& view) noexcept {
+  met.normal = contact_scene.VisitSurface(target.index, [&](const auto& view) noexcept {
     return contact.side * Pseudonormal(view, contact.triangle, Feature::kFace, 0);
   });
 }
@@ -42,7 +42,7 @@ void Measure(const ContactScene& contact_scene, const Target& target, const Cont
 // Force shading   (13.5): where a smooth body is touched at one place, its facets render as the surface they
 // approximate.
 void Shade(const ContactScene& contact_scene, const ContactState& contact, ContactGeometry& met) noexcept {
-  met.normal = contact_scene.On(contact.object, [&](const auto& view) noexcept {
+  met.normal = contact_scene.VisitSurface(contact.object, [&](const auto& view) noexcept {
     const ClosestPoint at = ClosestOnTriangle(view.TriangleCorners(contact.triangle), contact.proxy_m);
     return ShadedDirection(view, contact.triangle, at, met.normal);
   });
@@ -60,7 +60,7 @@ ContactGeometry MeasureContact(const ContactScene& contact_scene, const Input& i
 }
 
 std::uint32_t MaterialIndex(const ContactScene& contact_scene, const ContactState& contact) noexcept {
-  return contact_scene.On(contact.object, [&](const auto& view) noexcept -> std::uint32_t {
+  return contact_scene.VisitSurface(contact.object, [&](const auto& view) noexcept -> std::uint32_t {
     return view.GetTriangle(contact.triangle).material;
   });
 }
@@ -169,7 +169,7 @@ struct ContactModel {
                                stiffness_N_m,
                                factors.friction * m.static_friction,
                                factors.friction * std::min(m.dynamic_friction, m.static_friction)};
-    return contact_scene.On(contact.object, [&](const auto& view) noexcept {
+    return contact_scene.VisitSurface(contact.object, [&](const auto& view) noexcept {
       const Vec3 friction = FrictionForce(view, rubbed, contact);
       if (contact.anchor_triangle != kNoIndex) contact.anchor_m = AnchorPosition(view, contact);
       return friction;

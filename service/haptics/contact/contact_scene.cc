@@ -12,7 +12,7 @@ constexpr double kPoseLeap_m = 0.01;     // of the tip in the object's frame, in
 bool IsPose(const ObjectPose& pose) noexcept {
   const base::Quat& q = pose.rotation;
   const double norm2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  return std::abs(norm2 - 1) < kUnitTolerance && Within(pose.translation_m, kFarthestPose_m);
+  return std::abs(norm2 - 1) < kUnitTolerance && IsWithin(pose.translation_m, kFarthestPose_m);
 }
 
 base::Quat Unit(const base::Quat& q) noexcept {

@@ -55,7 +55,7 @@ class ContactScene {
 
   // visit(view) with the mesh of the object: a Surface or a sculpt::SculptSurface.
   template <class Visit>
-  decltype(auto) On(std::uint32_t object, Visit&& visit) const noexcept {
+  decltype(auto) VisitSurface(std::uint32_t object, Visit&& visit) const noexcept {
     const sculpt::SculptTable* table = TableOf(object);
     if (table == nullptr) return visit(surface_);
     const sculpt::SculptSurface sculpted(*table);

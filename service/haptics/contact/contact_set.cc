@@ -59,7 +59,7 @@ bool IsFlatAround(const View& view, std::uint32_t triangle) noexcept {
 // behaves as a coarse one   (2.1).
 template <TreeView View>
 ProxyPoint DescendOn(const View& view, const Target& target, std::uint32_t start, const Vec3& tip) noexcept {
-  const ProxyPoint proxy = Descend(view, start, tip);
+  const ProxyPoint proxy = DescendOnSurface(view, start, tip);
   if (proxy.closest.feature != Feature::kFace || !HasInside(target.object) || !IsFlatAround(view, proxy.triangle))
     return proxy;
   const double depth_m = std::sqrt(proxy.closest.distance_squared);
@@ -67,7 +67,7 @@ ProxyPoint DescendOn(const View& view, const Target& target, std::uint32_t start
                                                   {FaceNormal(view, proxy.triangle), kSmoothCosine});
   if (nearest.triangle == kNoIndex) return proxy;
   if (view.GetTriangle(nearest.triangle).component != view.GetTriangle(proxy.triangle).component) return proxy;
-  return Descend(view, nearest.triangle, tip);
+  return DescendOnSurface(view, nearest.triangle, tip);
 }
 
 bool Skips(const SkipList& skip, std::uint32_t component) noexcept {
@@ -101,7 +101,7 @@ bool Acquire(const View& view, const Target& target, Vec3 start, const Vec3& tip
     contact.side = hit.front ? 1 : -1;
     const ProxyPoint proxy = DescendOn(view, target, hit.triangle, tip);
     Place(proxy, contact);
-    if (Judge(view, proxy, tip, contact.side) == ProxyVerdict::kInside) {
+    if (ClassifyProxy(view, proxy, tip, contact.side) == ProxyVerdict::kInside) {
       if (contact.anchor_triangle == kNoIndex) {
         const ClosestPoint at = ClosestOnTriangle(view.TriangleCorners(hit.triangle), start + hit.t * (tip - start));
         contact.anchor_triangle = hit.triangle;
@@ -141,7 +141,7 @@ void Follow(const View& view, const Target& target, const ContactScene& contact_
   }
   // A soft body's displacement of a tick ago may lift the tip out although it is still inside: then the tip itself
   // counts.
-  if (tip != target.tip && Judge(view, proxy, tip, contact.side) != ProxyVerdict::kInside) {
+  if (tip != target.tip && ClassifyProxy(view, proxy, tip, contact.side) != ProxyVerdict::kInside) {
     tip = target.tip;
     proxy = DescendOn(view, target, contact.triangle, tip);
   }
@@ -150,7 +150,7 @@ void Follow(const View& view, const Target& target, const ContactScene& contact_
     contact = {};
     return;
   }
-  if (Judge(view, proxy, tip, contact.side) == ProxyVerdict::kInside) {
+  if (ClassifyProxy(view, proxy, tip, contact.side) == ProxyVerdict::kInside) {
     ReleaseFromCrease(view, target, tip, proxy, contact);
     return;
   }
@@ -168,7 +168,7 @@ bool TakeOn(const View& view, const Target& target, const Vec3& start, const Ski
   ContactState contact;
   contact.active = true;
   contact.object = target.index;
-  return Acquire(view, target, start, target.tip, skip, false, contact) && Keep(contact, state);
+  return Acquire(view, target, start, target.tip, skip, false, contact) && KeepContact(contact, state);
 }
 
 // An object was put around the tip, or its surface moved over it: contact starts where the tip is, and the force fades
@@ -180,7 +180,7 @@ void TakeOnInside(const View& view, const Target& target, State& state) noexcept
   contact.object = target.index;
   StartSwap(contact);
   if (AcquireInside(view, target, target.tip, InContact(view, target.index, state, nullptr), contact)) {
-    Keep(contact, state);
+    KeepContact(contact, state);
   }
 }
 
@@ -230,13 +230,13 @@ void StartContacts(const ContactScene& contact_scene, State& state) noexcept {
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
     if ((objects[i].flags & kCollidable) == 0 || !HasInside(objects[i])) continue;
     const Target target = contact_scene.TargetOf(i);
-    contact_scene.On(i, [&](const auto& view) noexcept {
+    contact_scene.VisitSurface(i, [&](const auto& view) noexcept {
       ContactState contact;
       contact.active = true;
       contact.object = i;
       if (!AcquireInside(view, target, target.tip, {}, contact)) return;
       contact.popped = state.appears;
-      Keep(contact, state);
+      KeepContact(contact, state);
     });
   }
 }
@@ -247,7 +247,7 @@ void UpdateContacts(const ContactScene& contact_scene, double dt_s, State& state
   for (ContactState& contact : state.contacts) {
     if (!contact.active) continue;
     const Target target = contact_scene.TargetOf(contact.object);
-    contact_scene.On(contact.object, [&](const auto& view) noexcept {
+    contact_scene.VisitSurface(contact.object, [&](const auto& view) noexcept {
       Follow(view, target, contact_scene, dt_s, state, contact, left);
     });
   }
@@ -255,7 +255,7 @@ void UpdateContacts(const ContactScene& contact_scene, double dt_s, State& state
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
     if ((objects[i].flags & kCollidable) == 0) continue;
     const Target target = contact_scene.TargetOf(i);
-    contact_scene.On(i, [&](const auto& view) noexcept {
+    contact_scene.VisitSurface(i, [&](const auto& view) noexcept {
       if (contact_scene.ChangedUnderTip(i)) {
         TakeOnInside(view, target, state);
       } else {
@@ -266,7 +266,7 @@ void UpdateContacts(const ContactScene& contact_scene, double dt_s, State& state
   SweepMovedRegions(contact_scene, state);
 }
 
-template ProxyPoint Descend(const Surface&, std::uint32_t, const Vec3&) noexcept;
-template ProxyVerdict Judge(const Surface&, const ProxyPoint&, const Vec3&, double) noexcept;
+template ProxyPoint DescendOnSurface(const Surface&, std::uint32_t, const Vec3&) noexcept;
+template ProxyVerdict ClassifyProxy(const Surface&, const ProxyPoint&, const Vec3&, double) noexcept;
 
 }  // namespace omni::haptics

@@ -30,7 +30,7 @@ void Place(const Found& found, ContactState& contact) noexcept {
 }
 
 // Keeps a new contact in a free slot, else in that of the shallowest one if the new one is deeper.
-inline bool Keep(const ContactState& contact, State& state) noexcept {
+inline bool KeepContact(const ContactState& contact, State& state) noexcept {
   ContactState* slot = &state.contacts[0];
   for (ContactState& c : state.contacts) {
     if (!c.active) {

@@ -114,7 +114,7 @@ Vec3 FrictionForce(const View& view, const FrictionInput& input, ContactState& c
   contact.sticking = false;
   const double allowed_m = input.dynamic_friction * input.normal_force_N / input.stiffness_N_m;
   const Vec3 dragged = (allowed_m / length_m) * u;
-  const ProxyPoint anchor = Descend(view, input.proxy_triangle, input.proxy + dragged);
+  const ProxyPoint anchor = DescendOnSurface(view, input.proxy_triangle, input.proxy + dragged);
   SetAnchor(anchor.triangle, anchor.closest, contact);
   return input.stiffness_N_m * dragged;
 }

@@ -15,7 +15,7 @@ struct ProxyPoint {
 
 // Moves from `start_triangle` to a local minimum of the distance to `target` over the surface.
 template <MeshView View>
-ProxyPoint Descend(const View& view, std::uint32_t start_triangle, const Vec3& target) noexcept;
+ProxyPoint DescendOnSurface(const View& view, std::uint32_t start_triangle, const Vec3& target) noexcept;
 
 // Pseudonormal at the proxy, out of the surface whatever the side. Around a vertex it costs a walk.
 template <MeshView View>
@@ -27,7 +27,7 @@ enum class ProxyVerdict { kInside, kOutside, kOverBorder };
 
 // Is the tip still behind the surface at its proxy? `side` +1: front is outside, -1: entered from the back.
 template <MeshView View>
-ProxyVerdict Judge(const View& view, const ProxyPoint& proxy, const Vec3& tip, double side) noexcept;
+ProxyVerdict ClassifyProxy(const View& view, const ProxyPoint& proxy, const Vec3& tip, double side) noexcept;
 
 inline constexpr double kSmoothCosine = 0.82;  // 35 degrees: triangles that meet at less belong to one smooth face
 
@@ -94,16 +94,16 @@ class Descent {
 };
 
 template <MeshView View>
-ProxyPoint Descend(const View& view, std::uint32_t start_triangle, const Vec3& target) noexcept {
+ProxyPoint DescendOnSurface(const View& view, std::uint32_t start_triangle, const Vec3& target) noexcept {
   return Descent<View>(view, start_triangle, target).Run();
 }
 
 template <MeshView View>
-ProxyVerdict Judge(const View& view, const ProxyPoint& proxy, const Vec3& tip, double side) noexcept {
+ProxyVerdict ClassifyProxy(const View& view, const ProxyPoint& proxy, const Vec3& tip, double side) noexcept {
   const Vec3 offset = tip - proxy.closest.point;
   if (proxy.closest.feature == Feature::kFace) {  // the same predicate by which a sweep decides
     const Corners corners = view.TriangleCorners(proxy.triangle);
-    return side * Height(corners, AreaVector(corners), tip) > 0 ? ProxyVerdict::kOutside : ProxyVerdict::kInside;
+    return side * ScaledHeight(corners, AreaVector(corners), tip) > 0 ? ProxyVerdict::kOutside : ProxyVerdict::kInside;
   }
   const Vec3 normal = NormalAt(view, proxy);
   const double height = side * Dot(offset, normal);
@@ -116,7 +116,7 @@ ProxyVerdict Judge(const View& view, const ProxyPoint& proxy, const Vec3& tip, d
   return ProxyVerdict::kInside;
 }
 
-extern template ProxyPoint Descend(const Surface&, std::uint32_t, const Vec3&) noexcept;
-extern template ProxyVerdict Judge(const Surface&, const ProxyPoint&, const Vec3&, double) noexcept;
+extern template ProxyPoint DescendOnSurface(const Surface&, std::uint32_t, const Vec3&) noexcept;
+extern template ProxyVerdict ClassifyProxy(const Surface&, const ProxyPoint&, const Vec3&, double) noexcept;
 
 }  // namespace omni::haptics

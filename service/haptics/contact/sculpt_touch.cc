@@ -12,7 +12,7 @@ constexpr double kReach_m = 0.01;  // how far a place of the surface may have mo
 
 void PutAnchor(const sculpt::SculptSurface& surface, ContactState& contact) noexcept {
   sculpt::KeptFeature anchor{contact.anchor_triangle, contact.anchor_weights, contact.anchor_m, contact.normal};
-  sculpt::Rebind(surface, kReach_m, anchor);
+  sculpt::RebindFeature(surface, kReach_m, anchor);
   contact.anchor_triangle = anchor.triangle;
   contact.anchor_weights = anchor.weights;
   contact.anchor_m = anchor.point_base_m;
@@ -21,7 +21,7 @@ void PutAnchor(const sculpt::SculptSurface& surface, ContactState& contact) noex
 // The force blends to that of the new place, unless the surface has not moved.
 void PutContact(const sculpt::SculptSurface& surface, ContactState& contact) noexcept {
   sculpt::KeptFeature proxy{contact.triangle, {}, contact.proxy_m, contact.normal};
-  const double moved_m = sculpt::Rebind(surface, kReach_m, proxy);
+  const double moved_m = sculpt::RebindFeature(surface, kReach_m, proxy);
   if (proxy.triangle == kNoIndex) {
     contact = {};
     return;

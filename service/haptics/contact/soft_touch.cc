@@ -22,7 +22,7 @@ SoftTouch* SlotOf(std::uint32_t object, State& state) noexcept {
 // The direction to the proxy is that of a small difference where the dent is small; the face's normal steadies it.
 SoftPress PressOf(const ContactScene& contact_scene, const Target& target, const ContactState& contact) noexcept {
   constexpr double kSteady_m = 2e-5;
-  const Vec3 face = contact_scene.On(
+  const Vec3 face = contact_scene.VisitSurface(
       target.index, [&](const auto& view) noexcept { return contact.side * FaceNormal(view, contact.triangle); });
   const Vec3 towards = contact.held_m - contact_scene.TipOver(target, contact);
   const Vec3 normal = Normalized(towards + kSteady_m * face);

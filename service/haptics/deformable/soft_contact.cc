@@ -50,7 +50,7 @@ bool SamePlace(const SoftPlace& a, const SoftPlace& b) noexcept {
 }
 
 bool Usable(const SoftContact& c) noexcept {
-  return c.touching && c.depth_m > 0 && c.depth_m < 1e3 && Within(c.point_base_m, 1e3) && Within(c.normal, 1.001) &&
+  return c.touching && c.depth_m > 0 && c.depth_m < 1e3 && IsWithin(c.point_base_m, 1e3) && IsWithin(c.normal, 1.001) &&
          c.series_compliance_m_N >= 0 && c.series_compliance_m_N < 1e6;
 }
 

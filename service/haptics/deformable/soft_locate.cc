@@ -64,7 +64,7 @@ bool TrySoftFan(const SoftBodyView& body, int corner, const Vec3& p, SoftBest& b
 }  // namespace
 
 SoftPlace LocateOnSoftBody(const SoftBodyView& body, const Vec3& point, std::uint32_t hint) noexcept {
-  if (!Within(point, 1e6)) return {0, {1, 0, 0}};
+  if (!IsWithin(point, 1e6)) return {0, {1, 0, 0}};
   SoftBest best{};
   bool hinted = hint < body.header().triangle_count;
   if (hinted) {

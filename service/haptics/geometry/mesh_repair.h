@@ -30,7 +30,7 @@ struct TopologyReport {
   std::uint32_t flipped_triangles = 0;   // to agree with the rest of their component
   std::uint32_t flipped_components = 0;  // inside-out as a whole
   std::uint32_t cavities = 0;            // closed, inwards, inside another component: left so
-  bool Closed() const { return border_edges == 0 && non_manifold_edges == 0 && cut_edges == 0; }
+  bool IsClosed() const { return border_edges == 0 && non_manifold_edges == 0 && cut_edges == 0; }
 };
 
 // Fills mesh.neighbours and mesh.component, reorders corners where a triangle has to be turned, adds triangles at

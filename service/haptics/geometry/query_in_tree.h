@@ -84,7 +84,7 @@ NearestResult NearestAccepted(const View& view, std::uint32_t root, const Vec3& 
     if (triangle != known) try_triangle(triangle);
   };
   if (known != kNoIndex) try_triangle(known);
-  const Lanes3 lanes = Spread(p);
+  const Lanes3 lanes = Broadcast(p);
   NearestStack stack;
   stack.PushChildren(view.Node(root), lanes, bound);
   while (!stack.empty()) {

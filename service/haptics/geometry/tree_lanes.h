@@ -28,7 +28,7 @@ struct Lanes3 {
   __m128 x, y, z;
 };
 
-inline Lanes3 Spread(const Vec3& v) noexcept {
+inline Lanes3 Broadcast(const Vec3& v) noexcept {
   return {_mm_set1_ps(static_cast<float>(v.x)), _mm_set1_ps(static_cast<float>(v.y)),
           _mm_set1_ps(static_cast<float>(v.z))};
 }
@@ -66,7 +66,7 @@ struct SegmentLanes {
   Lanes3 middle, half, reach;  // reach = |half| + slack
   __m128 slack;
   SegmentLanes(const Vec3& start, const Vec3& end, double tree_extent_m) noexcept
-      : middle(Spread(0.5 * (start + end))), half(Spread(0.5 * (end - start))) {
+      : middle(Broadcast(0.5 * (start + end))), half(Broadcast(0.5 * (end - start))) {
     const double extent_m = std::max(LargestComponent(start), LargestComponent(end));
     slack = _mm_set1_ps(static_cast<float>(FloatSlack(tree_extent_m, extent_m)));
     reach = {_mm_add_ps(Abs(half.x), slack), _mm_add_ps(Abs(half.y), slack), _mm_add_ps(Abs(half.z), slack)};

@@ -101,7 +101,7 @@ TriangleHit IntersectTriangle(const Corners& corners, const Vec3& start, const V
   const bool back = u <= 0 && v <= 0 && w <= 0;
   if (!back && !front) return {};
   const Vec3 normal = AreaVector(corners);
-  const double from = Height(corners, normal, start), to = Height(corners, normal, end);
+  const double from = ScaledHeight(corners, normal, start), to = ScaledHeight(corners, normal, end);
   if ((from >= 0) == (to >= 0)) return {};
   return {true, from >= 0, from / (from - to)};
 }

@@ -38,7 +38,7 @@ TriangleHit IntersectTriangle(const Corners& corners, const Vec3& start, const V
 inline Vec3 AreaVector(const Corners& c) noexcept { return Cross(c[1] - c[0], c[2] - c[0]); }
 
 // Height of `p` over the plane, times the length of `area_vector`; >= 0 counts as in front.
-inline double Height(const Corners& c, const Vec3& area_vector, const Vec3& p) noexcept {
+inline double ScaledHeight(const Corners& c, const Vec3& area_vector, const Vec3& p) noexcept {
   return Dot(p - c[0], area_vector);
 }
 

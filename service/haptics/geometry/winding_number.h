@@ -28,7 +28,7 @@ class WindingTree {
 
   // At `p`; triangle `own`, on which p lies, does not count: what is then left lies half-way between the two sides.
   double At(const Vec3& p, std::uint32_t own = kNoTriangle) const;
-  bool Inside(const Vec3& p) const { return At(p) > 0.5; }
+  bool IsInside(const Vec3& p) const { return At(p) > 0.5; }
 
  private:
   static constexpr std::uint32_t kNoTriangle = 0xFFFFFFFF;

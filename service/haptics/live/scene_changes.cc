@@ -11,13 +11,13 @@
 namespace omni::haptics {
 namespace {
 
-bool IsBasePose(const Placement& placement) noexcept {
+bool IsPlacement(const Placement& placement) noexcept {
   const base::Quat& q = placement.rotation;
   const double norm2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  return std::abs(norm2 - 1) < 1e-6 && Within(placement.translation_m, kFurthestBase_m);
+  return std::abs(norm2 - 1) < 1e-6 && IsWithin(placement.translation_m, kFurthestBase_m);
 }
 
-Frame BasePoseFrame(const Placement& placement) noexcept {
+Frame PlacementFrame(const Placement& placement) noexcept {
   return {false, placement.rotation, placement.translation_m};
 }
 
@@ -115,11 +115,11 @@ void OutputToBase(const Frame& frame, Output& output) noexcept {
 
 void StepPlaced(const Config& config, const Scene& scene, const Placement& placement, bool leaps, const Input& input,
                 State& state, Output& output) noexcept {
-  const Placement there = IsBasePose(placement) ? placement : state.placement;
+  const Placement there = IsPlacement(placement) ? placement : state.placement;
   if (there == Placement{} && state.placement == Placement{} && !leaps) {
     return Step(config, scene, input, state, output);
   }
-  const Frame before = BasePoseFrame(state.placement), now = BasePoseFrame(there);
+  const Frame before = PlacementFrame(state.placement), now = PlacementFrame(there);
   const bool moves = !(there == state.placement);
   if (moves) state.last_force_N = Turn{before, now}(state.last_force_N);
   if (leaps) Leap(before, now, !scene.empty() && scene.header().has_joystick != 0, state);

@@ -46,7 +46,7 @@ void Explain(const std::string& name, const Mesh& mesh, const RepairCounts& repa
              BuildReport& report) {
   report.lines.push_back(
       name + ": " + std::to_string(mesh.triangles.size()) + " triangles, " + std::to_string(topology.components) +
-      (topology.components == 1 ? " component, " : " components, ") + (topology.Closed() ? "closed" : "not closed"));
+      (topology.components == 1 ? " component, " : " components, ") + (topology.IsClosed() ? "closed" : "not closed"));
   report.welded_vertices += repair.welded_vertices;
   report.dropped_triangles += repair.not_finite + repair.degenerate + repair.duplicate;
   report.flipped_objects += topology.flipped_components + topology.flipped_triangles > 0;
@@ -253,7 +253,7 @@ BuiltObject BuildObject(const SceneInput& input, std::size_t index, BuildReport&
   built.faces = FindFaces(built.mesh, input.materials);
   CopyName(source.name, built.object.name);
   built.object.component_count = topology.components;
-  const bool closed = topology.Closed();
+  const bool closed = topology.IsClosed();
   built.object.flags =
       (closed ? std::uint32_t{kClosed} : 0) | (closed && !source.double_sided ? 0 : std::uint32_t{kDoubleSided}) |
       (source.collidable ? std::uint32_t{kCollidable} : 0) | (source.car_wall ? std::uint32_t{kCarWall} : 0) |

@@ -77,8 +77,8 @@ Status CheckObject(const InputObject& object, std::size_t index, std::size_t mat
     const Vec3& p = object.vertices_base_m[v];
     const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
     if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && largest > kMaxCoordinate_m) {
-      return Error{Where(object, index) + ": vertex " + std::to_string(v) + " is " + Number(largest) +
-                   " m from the base, the limit is " + Number(kMaxCoordinate_m) + " m; check the unit or scale"};
+      return Error{Where(object, index) + ": vertex " + std::to_string(v) + " is " + NumberText(largest) +
+                   " m from the base, the limit is " + NumberText(kMaxCoordinate_m) + " m; check the unit or scale"};
     }
   }
   return Ok{};
@@ -87,11 +87,11 @@ Status CheckObject(const InputObject& object, std::size_t index, std::size_t mat
 }  // namespace
 
 Status CheckJoystick(const JoystickInput& j) {
-  if (!Within(j.centre_base_m, kMaxCoordinate_m))
+  if (!IsWithin(j.centre_base_m, kMaxCoordinate_m))
     return Error{"joystick: centre_base_m is not within 10 m of the base"};
   if (!(j.range_m > 0 && j.dead_zone_m >= 0 && j.dead_zone_m < j.range_m)) {
-    return Error{"joystick: needs 0 <= dead_zone_m < range_m, got dead_zone_m " + Number(j.dead_zone_m) + ", range_m " +
-                 Number(j.range_m)};
+    return Error{"joystick: needs 0 <= dead_zone_m < range_m, got dead_zone_m " + NumberText(j.dead_zone_m) +
+                 ", range_m " + NumberText(j.range_m)};
   }
   if (!(j.stiffness_N_m >= 0 && j.damping_Ns_m >= 0))
     return Error{"joystick: stiffness_N_m and damping_Ns_m must be >= 0"};
@@ -104,10 +104,10 @@ Status CheckJoystick(const JoystickInput& j) {
 
 // A line across the road: the start or a checkpoint.
 Status CheckLine(const std::string& what, const Checkpoint& line) {
-  if (!Within(line.position_base_m, kMaxCoordinate_m)) return Error{what + ": is not within 10 m of the base"};
+  if (!IsWithin(line.position_base_m, kMaxCoordinate_m)) return Error{what + ": is not within 10 m of the base"};
   if (!(std::abs(line.heading_rad) < 1e3)) return Error{what + ": heading_rad is not an angle"};
   if (!(line.width_m > 0 && line.width_m <= 1e6)) {
-    return Error{what + ": its width is " + Number(line.width_m) + " m, it must be positive"};
+    return Error{what + ": its width is " + NumberText(line.width_m) + " m, it must be positive"};
   }
   return Ok{};
 }
@@ -143,8 +143,8 @@ Status CheckVehicle(const VehicleInput& v) {
         Field{"road_wavelength_m", v.road_wavelength_m, kTiny, kHuge},
         Field{"start_line_m", v.start_line_m, -kHuge, kHuge}}) {
     if (!(f.value >= f.minimum && f.value <= f.maximum)) {
-      return Error{std::string("vehicle: ") + f.name + " is " + Number(f.value) + ", it must be in [" +
-                   Number(f.minimum) + ", " + Number(f.maximum) + "]"};
+      return Error{std::string("vehicle: ") + f.name + " is " + NumberText(f.value) + ", it must be in [" +
+                   NumberText(f.minimum) + ", " + NumberText(f.maximum) + "]"};
     }
   }
   return Ok{};
@@ -158,13 +158,13 @@ Status CheckMaterial(const Material& m, std::size_t index) {
     const double minimum = strict ? field.minimum : 0, maximum = strict ? field.maximum : kLargestNumber;
     const double value = field.Get(m);
     if (!(value >= minimum && value <= maximum)) {
-      return Error{where + std::string(field.key) + " is " + Number(value) + ", it must be in [" + Number(minimum) +
-                   ", " + Number(maximum) + "]"};
+      return Error{where + std::string(field.key) + " is " + NumberText(value) + ", it must be in [" +
+                   NumberText(minimum) + ", " + NumberText(maximum) + "]"};
     }
   }
   for (const double x : m.softness.fibre_direction_base) {
     if (!(std::abs(x) <= 1e6))
-      return Error{where + "softness.fibreDirection is " + Number(x) + ", it must be within +-1e6"};
+      return Error{where + "softness.fibreDirection is " + NumberText(x) + ", it must be within +-1e6"};
   }
   return Ok{};
 }
@@ -193,7 +193,8 @@ base::Status CheckInput(const SceneInput& input) {
     return Error{"scene \"" + input.name + "\": no triangles; tag at least one node that has a mesh"};
   }
   if (!(input.tip_radius_m >= 0 && input.tip_radius_m <= kMaxTipRadius_m)) {
-    return Error{"tip radius: " + Number(input.tip_radius_m) + " m, it must be from 0 to " + Number(kMaxTipRadius_m)};
+    return Error{"tip radius: " + NumberText(input.tip_radius_m) + " m, it must be from 0 to " +
+                 NumberText(kMaxTipRadius_m)};
   }
   const Status textures = CheckTextures(input);
   if (!textures.ok()) return textures;
@@ -208,7 +209,7 @@ base::Status CheckInput(const SceneInput& input) {
   return Ok{};
 }
 
-std::string Number(double x) {
+std::string NumberText(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", x);
   return text;

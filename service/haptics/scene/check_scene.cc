@@ -62,7 +62,7 @@ Status CheckHeader(const Scene& scene) {
     return Error{"has a damaged header"};
   }
   if (!(h.tip_radius_m >= 0 && h.tip_radius_m <= kMaxTipRadius_m)) return Error{"has a tip radius out of range"};
-  if (!(std::abs(h.magnet_range_m) <= kMaxPlace_m && Within(h.lower_base_m, 1e30) && Within(h.upper_base_m, 1e30)))
+  if (!(std::abs(h.magnet_range_m) <= kMaxPlace_m && IsWithin(h.lower_base_m, 1e30) && IsWithin(h.upper_base_m, 1e30)))
     return Error{"has bounds that are not finite"};
   if (h.has_joystick == 1 && !CheckJoystick(h.joystick).ok()) return Error{"has a joystick out of range"};
   if (h.has_vehicle == 1 && !CheckVehicle(h.vehicle).ok()) return Error{"has a vehicle out of range"};
@@ -105,7 +105,7 @@ Status CheckMaterials(const Scene& scene) {
 Status CheckMesh(const Scene& scene) {
   const SceneHeader& h = scene.header();
   for (const Vertex& v : scene.vertices()) {
-    if (!base::Within({v.x, v.y, v.z}, kMaxPlace_m)) return Error{"has a vertex that is out of range"};
+    if (!base::IsWithin({v.x, v.y, v.z}, kMaxPlace_m)) return Error{"has a vertex that is out of range"};
     if (v.region != kNoIndex && v.region >= h.region_count) return Error{"has a vertex with a missing region"};
     if (v.first_triangle >= h.triangle_count) return Error{"has a vertex with a missing triangle"};
   }
@@ -206,7 +206,7 @@ Status CheckWalls(const Scene& scene) {
   const auto nodes = scene.wall_nodes();
   const auto segments = scene.wall_segments();
   for (const WallSegment& s : segments) {
-    if (!(base::Within({s.ax, s.ay, 0}, kMaxPlace_m) && base::Within({s.bx, s.by, 0}, kMaxPlace_m) &&
+    if (!(base::IsWithin({s.ax, s.ay, 0}, kMaxPlace_m) && base::IsWithin({s.bx, s.by, 0}, kMaxPlace_m) &&
           s.material < scene.header().material_count)) {
       return Error{"has a damaged car wall"};
     }
@@ -247,8 +247,8 @@ Status CheckObjects(const Scene& scene) {
     if (touched && !(object.triangle_count > 0 && tree.Sound(object))) return Error{"has a damaged tree"};
   }
   for (const Region& region : scene.regions()) {
-    if (!(region.object < h.object_count && region.material < h.material_count && Within(region.normal, 1.001) &&
-          Within(region.centroid_base_m, kMaxPlace_m) && region.radius_m >= 0 && region.radius_m <= kMaxPlace_m)) {
+    if (!(region.object < h.object_count && region.material < h.material_count && IsWithin(region.normal, 1.001) &&
+          IsWithin(region.centroid_base_m, kMaxPlace_m) && region.radius_m >= 0 && region.radius_m <= kMaxPlace_m)) {
       return Error{"has a damaged region"};
     }
   }

@@ -25,7 +25,7 @@ inline constexpr double kMaxTipRadius_m = 0.01;
 inline constexpr double kMaxTextureTransform = 1e6;  // of each number of InputTexture::to_image
 
 // Six digits; for messages.
-std::string Number(double x);
+std::string NumberText(double x);
 
 // "object 3 "wall"".
 std::string Where(const InputObject& object, std::size_t index);

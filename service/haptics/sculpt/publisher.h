@@ -55,7 +55,7 @@ class SculptPublisher {
     return pinned != nullptr ? std::min(in_tick, pinned->generation) : in_tick;
   }
   // A table without readers, to be filled; null: a reader is kMaxTables generations behind.
-  SculptTable* Spare() {
+  SculptTable* SpareTable() {
     const SculptTable* newest = current_.load(std::memory_order_relaxed);
     for (const std::unique_ptr<SculptTable>& table : tables_) {
       if (table.get() != newest && table->generation < OldestInUse()) return table.get();

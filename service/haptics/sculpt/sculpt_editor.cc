@@ -57,7 +57,7 @@ base::Status SculptEditor::CheckBrush(const Brush& brush) const {
   }
   const SymmetryPlane& plane = brush.symmetry;
   if (plane.enabled &&
-      !(Norm(plane.normal) > 0 && Within(plane.normal, 1e3) && Within(plane.point_base_m, kMaxCoordinate_m))) {
+      !(Norm(plane.normal) > 0 && IsWithin(plane.normal, 1e3) && IsWithin(plane.point_base_m, kMaxCoordinate_m))) {
     return Error{"sculpting: the symmetry plane needs a point within " + std::to_string(kMaxCoordinate_m) +
                  " m and a normal that is not zero"};
   }
@@ -78,7 +78,7 @@ void SculptEditor::AddPart(const SurfacePoint& at, const Brush& brush, double lo
 base::Status SculptEditor::Begin(const SurfacePoint& at, const Brush& brush) {
   const base::Status checked = CheckBrush(brush);
   if (!checked.ok()) return checked;
-  if (!mesh_->IsLive(at.triangle) || !Within(at.position, kMaxCoordinate_m)) {
+  if (!mesh_->IsLive(at.triangle) || !IsWithin(at.position, kMaxCoordinate_m)) {
     return Error{"sculpting: no surface where the stroke begins"};
   }
   region_ = {};
@@ -104,7 +104,7 @@ base::Status SculptEditor::Begin(const SurfacePoint& at, const Brush& brush) {
 }
 
 void SculptEditor::Step(double offset_m) {
-  report_.held_back += Displace(*mesh_, region_, patch_, offset_m - offset_m_);
+  report_.held_back += DisplaceVertices(*mesh_, region_, patch_, offset_m - offset_m_);
   offset_m_ = offset_m;
   if (std::abs(offset_m_ - remeshed_offset_m_) < kRemeshShare * edges_.short_m) return;
   Remesh(*mesh_, edges_, region_, patch_, report_.remesh);
@@ -159,7 +159,7 @@ bool SculptEditor::Redo() {
 // The newest generation's tree finds the place; what was edited since is near it.
 SurfacePoint SculptEditor::Locate(const Vec3& p, double reach_m) const {
   const SculptTable* table = mesh_->publisher().newest();
-  if (table == nullptr || !Within(p, kMaxCoordinate_m)) return {};
+  if (table == nullptr || !IsWithin(p, kMaxCoordinate_m)) return {};
   const NearestResult nearest = NearestInTree(SculptSurface(*table), 0, p, reach_m);
   if (nearest.triangle == kNoIndex || !mesh_->IsLive(nearest.triangle)) return {};
   const std::uint32_t triangle = DescendTo(*mesh_, nearest.triangle, p);

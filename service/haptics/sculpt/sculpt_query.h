@@ -38,7 +38,7 @@ struct KeptFeature {
 
 // Puts the feature on the newest surface. Returns how far it moved (m). The new place is the nearest point within
 // `reach_m` facing the same way, else the nearest of all.   (6.2)
-inline double Rebind(const SculptSurface& surface, double reach_m, KeptFeature& feature) noexcept {
+inline double RebindFeature(const SculptSurface& surface, double reach_m, KeptFeature& feature) noexcept {
   const NearestResult now = FindAgain(surface, feature.point_base_m, feature.normal, reach_m);
   if (now.triangle == kNoIndex) {
     feature = {};

@@ -133,7 +133,7 @@ void Send(SculptToolState& state, StrokeRing& ring) noexcept {
 
 SculptToolOutput StepSculptTool(const SculptParameters& parameters, const SculptInput& input, SculptToolState& state,
                                 StrokeRing& ring) noexcept {
-  const bool tracked = input.tracked && Within(input.tip_base_m, kFarthestTip_m);
+  const bool tracked = input.tracked && IsWithin(input.tip_base_m, kFarthestTip_m);
   const double dt_s = input.dt_s >= 0 && input.dt_s <= 5e-3 ? input.dt_s : 0;
   SculptInput clean = input;
   clean.dt_s = dt_s;
@@ -152,7 +152,7 @@ SculptToolOutput StepSculptTool(const SculptParameters& parameters, const Sculpt
   const double most = dt_s / kHandOver_s;
   const double wanted = state.phase == SculptPhase::kHeld ? 1 : 0;
   state.hold += std::clamp(wanted - state.hold, -most, most);
-  if (!Within(state.held_force_N, 1e3)) state.held_force_N = {};
+  if (!IsWithin(state.held_force_N, 1e3)) state.held_force_N = {};
   return {state.hold * state.held_force_N, 1 - state.hold};
 }
 

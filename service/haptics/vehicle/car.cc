@@ -50,8 +50,8 @@ Impacts DriveCar(const VehicleInput& car, const WallMap& walls, std::span<const 
   return impacts;
 }
 
-Vec3 Play(const Config& config, const StiffnessBound& bound, const Scene& scene, const Input& input,
-          const Vec3& contacts_N, State& state, Output& output) noexcept {
+Vec3 StepVehicle(const Config& config, const StiffnessBound& bound, const Scene& scene, const Input& input,
+                 const Vec3& contacts_N, State& state, Output& output) noexcept {
   const SceneHeader& header = scene.header();
   Vec3 stick_N;
   Thumbstick stick;

@@ -16,7 +16,7 @@ Impacts DriveCar(const VehicleInput& car, const WallMap& walls, std::span<const 
 
 // Joystick and car of a scene: force on the pen. `contacts_N`: other forces on the pen. Fills the joystick's and the
 // vehicle's part of `output`.
-Vec3 Play(const Config& config, const StiffnessBound& bound, const Scene& scene, const Input& input,
-          const Vec3& contacts_N, State& state, Output& output) noexcept;
+Vec3 StepVehicle(const Config& config, const StiffnessBound& bound, const Scene& scene, const Input& input,
+                 const Vec3& contacts_N, State& state, Output& output) noexcept;
 
 }  // namespace omni::haptics

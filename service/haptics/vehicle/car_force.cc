@@ -18,18 +18,18 @@ constexpr double kReserve = 0.9;    // of the headroom: the pose and the other f
 // Along a ray the force is feasible until the coils or the length are not: |f + s d| <= F, and start + s step within
 // the coils' limits, with all of the bias.
 double Headroom_N(const base::ForceLimit& limit, const Vec3& others_N, const Vec3& direction) noexcept {
-  if (!limit.valid || !Within(others_N, 1e3) || !(limit.force_max_N > 0)) return 0;
+  if (!limit.valid || !IsWithin(others_N, 1e3) || !(limit.force_max_N > 0)) return 0;
   const base::LimitAlong length{.a = SquaredNorm(direction),
                                 .b = Dot(others_N, direction),
                                 .c = SquaredNorm(others_N) - limit.force_max_N * limit.force_max_N};
   if (!(length.c < 0)) return 0;
-  const Vec3 start = base::Times(limit.ampere_per_newton, others_N);
-  const Vec3 step = base::Times(limit.ampere_per_newton, direction);
+  const Vec3 start = base::Multiply(limit.ampere_per_newton, others_N);
+  const Vec3 step = base::Multiply(limit.ampere_per_newton, direction);
   const std::array<double, base::kCoilCount> start_A{limit.bias_A[0] + start.x, limit.bias_A[1] + start.y,
                                                      limit.bias_A[2] + start.z};
   const std::array<double, base::kCoilCount> step_A{step.x, step.y, step.z};
   if (!(base::LargestShare(limit, start_A, step_A, 0) >= 0)) return 0;
-  return std::max(0.0, base::LargestShare(limit, start_A, step_A, length.Cut(kRoomMax_N)));
+  return std::max(0.0, base::LargestShare(limit, start_A, step_A, length.ClampToLimit(kRoomMax_N)));
 }
 
 double PulseAmplitude_N(const VehicleInput& car, const PulseLimits& limits, const Impact& impact) noexcept {

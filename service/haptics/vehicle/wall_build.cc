@@ -87,7 +87,7 @@ class TreeBuilder {
   std::vector<WallNode>& nodes_;
 };
 
-std::string Millimetres(double metres) { return Number(1e3 * metres) + " mm"; }
+std::string Millimetres(double metres) { return NumberText(1e3 * metres) + " mm"; }
 
 }  // namespace
 

@@ -36,7 +36,7 @@ std::array<double, 3> Vector(const json& request, const char* name) {
   return vector;
 }
 
-std::uint32_t Whole(const json& request, const char* name) {
+std::uint32_t ReadInteger(const json& request, const char* name) {
   const json& value = Field(request, name);
   const double number = value.is_number() ? value.get<double>() : -1;
   if (!(number >= 0 && number <= kMaxNumber && number == std::floor(number))) {
@@ -68,7 +68,7 @@ SceneRequest Scene(const json& request) {
 }
 
 MaterialRequest Material(const json& request) {
-  MaterialRequest material{.index = Whole(request, "index")};
+  MaterialRequest material{.index = ReadInteger(request, "index")};
   const json& values = Field(request, "values");
   if (!values.is_object()) throw Problem{"values is no object"};
   for (const auto& [key, value] : values.items()) {
@@ -95,7 +95,7 @@ PageRequest Read(const json& request) {
   if (name == "scene") return Scene(request);
   if (name == "material") return Material(request);
   if (name == "undo" || name == "redo") return EditRequest{.redo = name == "redo"};
-  if (name == "save") return SaveRequest{.number = Whole(request, "number")};
+  if (name == "save") return SaveRequest{.number = ReadInteger(request, "number")};
   if (name == "stop") return StopRequest{.on = Truth(request, "on")};
   throw Problem{"type is none that this version knows"};
 }

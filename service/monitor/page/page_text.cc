@@ -75,7 +75,7 @@ std::string HelloText(const PageHello& hello) {
         {{"name", channel.name}, {"label", channel.label}, {"unit", channel.unit}, {"group", channel.group}});
   }
   json faults = json::array();
-  for (const wire::FaultText& fault : wire::Faults()) {
+  for (const wire::FaultText& fault : wire::FaultTexts()) {
     faults.push_back(
         {{"bit", BitOf(fault.fault)}, {"name", fault.name}, {"text", fault.meaning}, {"remedy", fault.advice}});
   }

@@ -23,7 +23,7 @@ using base::VecOf;
 
 }  // namespace
 
-void AimLimit::Feel(const protocol::ToolSample& tool, const protocol::ContactSnapshot& contacts, double dt_s) {
+void AimLimit::Update(const protocol::ToolSample& tool, const protocol::ContactSnapshot& contacts, double dt_s) {
   const double most_m = options_.force_max_N / options_.hand_stiffness_N_m;
   const bool touches = (tool.flags & protocol::kToolTracked) != 0 && contacts.count > 0;
   away_s_ = touches ? 0 : away_s_ + dt_s;
@@ -62,7 +62,7 @@ double AimLimit::beyond_m() const {
 
 // (p - aim) . n <= beyond for every contact: point p, normal n. The pen is drawn back along its own axis, so that it
 // stays over the place that it was led to; where that lies along the surface, along the normal.
-protocol::HandAim AimLimit::Limited(const protocol::HandAim& aim) const {
+protocol::HandAim AimLimit::LimitAim(const protocol::HandAim& aim) const {
   base::Vec3 tip_m = VecOf(aim.tip_base_m);
   const base::Vec3 back = -1.0 * Normalized(VecOf(aim.axis_base));
   for (std::uint32_t i = 0; i < contacts_.count; ++i) {

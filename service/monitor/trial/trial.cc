@@ -51,7 +51,7 @@ void Trial::ChooseScene(const std::string& path, const std::string& name, bool s
   scene_ = {.number = scene_.number + 1, .revision = scene_.revision + 1, .name = name, .state = SceneState::kLoading};
 }
 
-base::Status Trial::Drop(std::string_view name, std::string_view bytes) {
+base::Status Trial::LoadDropped(std::string_view name, std::string_view bytes) {
   const std::string path = options_.folder + "/dropped-" + std::to_string(++drops_) + ".glb";
   const base::Status written = base::WriteWholeFile(path, bytes);
   if (!written.ok()) return written;
@@ -63,7 +63,7 @@ base::Status Trial::Drop(std::string_view name, std::string_view bytes) {
 
 void Trial::Poll(std::int64_t now_ns) {
   connection_.Poll(now_ns);
-  connection_.Beat();
+  connection_.SignalAlive();
   if (const auto loaded = loads_.Poll(); loaded && loaded->number == requests_) Load(*loaded);
   if (welcomes_ != connection_.welcomes()) {
     welcomes_ = connection_.welcomes();
@@ -127,23 +127,24 @@ void Trial::HandleUpdates() {
   }
 }
 
-bool Trial::Aim(const protocol::HandAim& aim) {
+bool Trial::SendAim(const protocol::HandAim& aim) {
   asked_aim_ = aim;
-  aim_ = aim_limit_.Limited(aim);
+  aim_ = aim_limit_.LimitAim(aim);
   return hand_.Connect() && hand_.Send(aim_);
 }
 
 void Trial::Lift() {
   if (aim_.present == 0) return;
   asked_aim_.present = 0;
-  Aim(asked_aim_);
+  SendAim(asked_aim_);
 }
 
-void Trial::Feel(const protocol::ToolSample& tool, const protocol::ContactSnapshot& contacts, std::int64_t now_ns) {
+void Trial::UpdateContacts(const protocol::ToolSample& tool, const protocol::ContactSnapshot& contacts,
+                           std::int64_t now_ns) {
   const double dt_s = felt_ns_ == 0 ? 0 : 1e-9 * static_cast<double>(now_ns - felt_ns_);
   felt_ns_ = now_ns;
-  aim_limit_.Feel(tool, contacts, std::clamp(dt_s, 0.0, 0.1));
-  if (aim_.present != 0 && aim_limit_.Limited(asked_aim_).tip_base_m != aim_.tip_base_m) Aim(asked_aim_);
+  aim_limit_.Update(tool, contacts, std::clamp(dt_s, 0.0, 0.1));
+  if (aim_.present != 0 && aim_limit_.LimitAim(asked_aim_).tip_base_m != aim_.tip_base_m) SendAim(asked_aim_);
 }
 
 bool Trial::SetMaterial(const MaterialRequest& request) {
@@ -162,7 +163,7 @@ bool Trial::SetMaterial(const MaterialRequest& request) {
   return connection_.Send(message);
 }
 
-base::Result<std::string> Trial::Copy(std::string_view sculpted) const {
+base::Result<std::string> Trial::MakeSceneFile(std::string_view sculpted) const {
   if (scene_.view == nullptr) return base::Error{"there is no scene"};
   std::string path = scene_.view->path;
   if (!sculpted.empty()) {

@@ -34,10 +34,10 @@ class AimLimit {
 
   // What is touched, and whether the base makes all of it. Called some ten times a second or more; `dt_s` > 0: since
   // the last call.
-  void Feel(const protocol::ToolSample& tool, const protocol::ContactSnapshot& contacts, double dt_s);
+  void Update(const protocol::ToolSample& tool, const protocol::ContactSnapshot& contacts, double dt_s);
 
   // The nearest aim that is allowed. The pen's axis stays.
-  protocol::HandAim Limited(const protocol::HandAim& aim) const;
+  protocol::HandAim LimitAim(const protocol::HandAim& aim) const;
 
   // How far the aim may be beyond a surface; infinite while nothing is touched.
   double beyond_m() const;
@@ -71,22 +71,22 @@ class Trial {
   // reach.
   void ChooseScene(const std::string& path, const std::string& name, bool shipped);
   // Keeps the bytes as a file of the folder, then as above.
-  base::Status Drop(std::string_view name, std::string_view bytes);
+  base::Status LoadDropped(std::string_view name, std::string_view bytes);
 
   void Poll(std::int64_t now_ns);
 
   // What the pen touches now: the aim goes no further beyond it than the base can push back.
-  void Feel(const protocol::ToolSample& tool, const protocol::ContactSnapshot& contacts, std::int64_t now_ns);
+  void UpdateContacts(const protocol::ToolSample& tool, const protocol::ContactSnapshot& contacts, std::int64_t now_ns);
 
   // False: the twin has gone; problem() says why.
-  bool Aim(const protocol::HandAim& aim);
+  bool SendAim(const protocol::HandAim& aim);
   const protocol::HandAim& aim() const { return aim_; }
   // False: there is no such material.
   bool SetMaterial(const MaterialRequest& request);
 
   // The scene's file with the materials' present numbers. `sculpted`: omnid's copy of the sculpted scene; empty: the
   // file as it was loaded.
-  base::Result<std::string> Copy(std::string_view sculpted) const;
+  base::Result<std::string> MakeSceneFile(std::string_view sculpted) const;
 
   const ShownScene& scene() const { return scene_; }
   std::string problem() const;

@@ -129,7 +129,7 @@ base::Result<SceneView> LoadSceneView(const std::string& path, const std::string
 
 namespace {
 
-LoadedView Load(const SceneFileRequest& request) {
+LoadedView LoadRequested(const SceneFileRequest& request) {
   LoadedView loaded{.number = request.number};
   auto view = LoadSceneView(request.path, request.name, request.options, request.fit_untagged);
   if (view.ok()) {
@@ -149,7 +149,7 @@ std::optional<LoadedView> SceneLoads::Poll() {
     finished = running_.get();
   }
   if (wanted_) {
-    running_ = std::async(std::launch::async, Load, *std::exchange(wanted_, std::nullopt));
+    running_ = std::async(std::launch::async, LoadRequested, *std::exchange(wanted_, std::nullopt));
   }
   return finished;
 }

@@ -380,7 +380,7 @@ void WebServer::Send(PageId page, std::shared_ptr<const std::string> message, bo
   held->Push({std::move(message), binary});
 }
 
-bool WebServer::Idle(PageId page) const {
+bool WebServer::IsIdle(PageId page) const {
   const auto found = impl_->pages.find(page);
   return found != impl_->pages.end() && found->second->open && found->second->waiting.empty();
 }

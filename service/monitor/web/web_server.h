@@ -60,7 +60,7 @@ class WebServer {
   static constexpr std::size_t kMaxUnsentBytes = 256u << 20;
   void Send(PageId page, std::shared_ptr<const std::string> message, bool binary);
   // Nothing waits to be sent: the moment for what is only worth sending while it is new.
-  bool Idle(PageId page) const;
+  bool IsIdle(PageId page) const;
   void Close(PageId page, CloseCode code, std::string_view reason);
 
   std::uint64_t bytes_sent() const;  // of messages

@@ -134,7 +134,7 @@ CacheStore::CacheStore(std::string folder, std::uint64_t max_bytes)
     : folder_(std::move(folder)), max_bytes_(max_bytes), problem_(ProblemOf(folder_)) {}
 
 std::string CacheStore::PathOf(const CacheKey& key) const {
-  return folder_ + "/" + key.kind + "-" + Hex(key.digest) + kSuffix;
+  return folder_ + "/" + key.kind + "-" + ToHex(key.digest) + kSuffix;
 }
 
 std::optional<std::vector<std::byte>> CacheStore::Get(const CacheKey& key, std::string& damage) {
@@ -202,7 +202,7 @@ void CacheStore::Evict(const std::string& keep) {
 
 void CacheStore::Remove(const CacheKey& key) { unlink(PathOf(key).c_str()); }
 
-CacheUse CacheStore::Use() const {
+CacheUse CacheStore::Usage() const {
   CacheUse use;
   for (const Entry& entry : EntriesOf(folder_)) {
     ++use.files;

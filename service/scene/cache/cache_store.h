@@ -42,7 +42,7 @@ class CacheStore {
   bool Put(const CacheKey& key, const std::vector<std::byte>& block);
 
   void Remove(const CacheKey& key);
-  CacheUse Use() const;
+  CacheUse Usage() const;
   CacheUse Clear();  // what was removed
 
  private:

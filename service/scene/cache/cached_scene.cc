@@ -71,7 +71,7 @@ std::vector<std::string> Texts(const Json* list) {
 }
 
 double Number(const Json& json, const char* key) {
-  const Json* found = Find(json, key);
+  const Json* found = FindMember(json, key);
   if (!found || !found->is_number()) throw LoadError("", "is not a number");
   return found->number();
 }
@@ -86,22 +86,23 @@ std::array<double, kCount> Reals(const Json& list) {
 
 // Throws LoadError on anything that is not as above.
 void ReadReports(const Json& json, LoadReport& load, haptics::BuildReport& build) {
-  for (const Json& row : Listed(Find(json, "rows"))) {
+  for (const Json& row : Listed(FindMember(json, "rows"))) {
     const std::span<const Json> field = Listed(&row, 5);
     load.rows.push_back({std::string(field[0].text()), std::string(field[1].text()), field[2].boolean(),
                          std::string(field[3].text()), Counted<std::uint64_t>(field[4])});
   }
-  for (const Json& from : Listed(Find(json, "objects"))) {
+  for (const Json& from : Listed(FindMember(json, "objects"))) {
     const std::span<const Json> field = Listed(&from, 3);
     const std::int32_t node = field[0].number() < 0 ? -1 : Counted<std::int32_t>(field[0]);
     load.objects.push_back({node, Reals<4>(field[1]), Reals<3>(field[2])});
   }
-  load.warnings = Texts(Find(json, "warnings"));
-  const std::span<const Json> bytes = Listed(Find(json, "bytes"), 2), counts = Listed(Find(json, "counts"), 3);
+  load.warnings = Texts(FindMember(json, "warnings"));
+  const std::span<const Json> bytes = Listed(FindMember(json, "bytes"), 2),
+                              counts = Listed(FindMember(json, "counts"), 3);
   load.file_bytes = Counted<std::uint64_t>(bytes[0]);
   load.bytes_read = Counted<std::uint64_t>(bytes[1]);
   load.fit_scale = Number(json, "fit_scale");
-  build.lines = Texts(Find(json, "lines"));
+  build.lines = Texts(FindMember(json, "lines"));
   build.welded_vertices = Counted<decltype(build.welded_vertices)>(counts[0]);
   build.dropped_triangles = Counted<decltype(build.dropped_triangles)>(counts[1]);
   build.flipped_objects = Counted<decltype(build.flipped_objects)>(counts[2]);

@@ -92,7 +92,7 @@ Digest Sha256::Finish() {
   return digest;
 }
 
-std::string Hex(const Digest& digest) {
+std::string ToHex(const Digest& digest) {
   constexpr char kDigits[] = "0123456789abcdef";
   std::string text;
   for (const std::uint8_t byte : digest) text += {kDigits[byte >> 4], kDigits[byte & 15]};

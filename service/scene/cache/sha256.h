@@ -31,6 +31,6 @@ class Sha256 {
 };
 
 // 64 hexadecimal digits.
-std::string Hex(const Digest& digest);
+std::string ToHex(const Digest& digest);
 
 }  // namespace omni::scene

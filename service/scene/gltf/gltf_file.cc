@@ -140,10 +140,10 @@ void GltfFile::OpenExternal(const std::string& uri, const std::string& pointer, 
 
 GltfFile::Buffer& GltfFile::OpenBuffer(std::uint32_t index) {
   if (const auto found = buffers_.find(index); found != buffers_.end()) return found->second;
-  const std::string pointer = Join("/buffers", index);
+  const std::string pointer = JoinPointer("/buffers", index);
   const Json& json = ElementOf(root(), "buffers", index);
   Buffer buffer;
-  buffer.length = Whole(json, pointer, "byteLength", max_file_bytes_, std::nullopt);
+  buffer.length = ReadInteger(json, pointer, "byteLength", max_file_bytes_, std::nullopt);
   const std::string uri = FindString(json, pointer, "uri", "");
   if (uri.empty()) {
     if (index != 0 || !has_bin_) {
@@ -152,25 +152,26 @@ GltfFile::Buffer& GltfFile::OpenBuffer(std::uint32_t index) {
                       "extension?); export without compression");
     }
     if (buffer.length > bin_length_) {
-      throw LoadError(Join(pointer, "byteLength"), "is " + std::to_string(buffer.length) + ", the BIN chunk has " +
-                                                       std::to_string(bin_length_) + " bytes");
+      throw LoadError(
+          JoinPointer(pointer, "byteLength"),
+          "is " + std::to_string(buffer.length) + ", the BIN chunk has " + std::to_string(bin_length_) + " bytes");
     }
     buffer.file = &file_;
     buffer.offset = bin_offset_;
   } else if (uri.starts_with("data:")) {
-    buffer.embedded = DecodeDataUri(uri, Join(pointer, "uri"));
+    buffer.embedded = DecodeDataUri(uri, JoinPointer(pointer, "uri"));
     if (buffer.embedded.size() < buffer.length) {
-      throw LoadError(Join(pointer, "uri"), "holds " + std::to_string(buffer.embedded.size()) +
-                                                " bytes, byteLength says " + std::to_string(buffer.length));
+      throw LoadError(JoinPointer(pointer, "uri"), "holds " + std::to_string(buffer.embedded.size()) +
+                                                       " bytes, byteLength says " + std::to_string(buffer.length));
     }
   } else {
-    OpenExternal(uri, Join(pointer, "uri"), buffer);
+    OpenExternal(uri, JoinPointer(pointer, "uri"), buffer);
   }
   return buffers_.emplace(index, std::move(buffer)).first->second;
 }
 
 std::vector<unsigned char> GltfFile::ReadImage(std::uint32_t index, std::uint64_t max_bytes) {
-  const std::string pointer = Join("/images", index);
+  const std::string pointer = JoinPointer("/images", index);
   const Json& json = ElementOf(root(), "images", index);
   const auto check = [&](std::uint64_t bytes) {
     if (bytes > max_bytes) {
@@ -178,13 +179,13 @@ std::vector<unsigned char> GltfFile::ReadImage(std::uint32_t index, std::uint64_
     }
   };
   std::vector<unsigned char> stored;
-  if (const auto view = Index(json, pointer, "bufferView", CountOf(root(), "bufferViews"))) {
+  if (const auto view = ReadIndex(json, pointer, "bufferView", CountOf(root(), "bufferViews"))) {
     const Json& view_json = ElementOf(root(), "bufferViews", *view);
-    const std::string place = Join("/bufferViews", *view);
-    const auto buffer = Index(view_json, place, "buffer", CountOf(root(), "buffers"));
-    if (!buffer) throw LoadError(Join(place, "buffer"), "is missing");
-    const std::uint64_t offset = Whole(view_json, place, "byteOffset", 1ull << 40, 0);
-    const std::uint64_t length = Whole(view_json, place, "byteLength", 1ull << 40, std::nullopt);
+    const std::string place = JoinPointer("/bufferViews", *view);
+    const auto buffer = ReadIndex(view_json, place, "buffer", CountOf(root(), "buffers"));
+    if (!buffer) throw LoadError(JoinPointer(place, "buffer"), "is missing");
+    const std::uint64_t offset = ReadInteger(view_json, place, "byteOffset", 1ull << 40, 0);
+    const std::uint64_t length = ReadInteger(view_json, place, "byteLength", 1ull << 40, std::nullopt);
     check(length);
     unsigned char last = 0;  // is it there? Checked before memory is allocated
     if (length > 0) ReadBuffer(*buffer, offset + length - 1, &last, 1);
@@ -195,11 +196,11 @@ std::vector<unsigned char> GltfFile::ReadImage(std::uint32_t index, std::uint64_
   const std::string uri = FindString(json, pointer, "uri", "");
   if (uri.empty()) throw LoadError(pointer, "has neither bufferView nor uri");
   if (uri.starts_with("data:")) {
-    stored = DecodeDataUri(uri, Join(pointer, "uri"));
+    stored = DecodeDataUri(uri, JoinPointer(pointer, "uri"));
     check(stored.size());
     return stored;
   }
-  FileBytes& bytes = OpenBeside(uri, Join(pointer, "uri"));
+  FileBytes& bytes = OpenBeside(uri, JoinPointer(pointer, "uri"));
   check(bytes.size());
   stored.resize(static_cast<std::size_t>(bytes.size()));
   bytes.Read(0, stored.data(), stored.size());
@@ -209,9 +210,9 @@ std::vector<unsigned char> GltfFile::ReadImage(std::uint32_t index, std::uint64_
 void GltfFile::ReadBuffer(std::uint32_t index, std::uint64_t offset, void* to, std::size_t count) {
   Buffer& buffer = OpenBuffer(index);
   if (!(offset <= buffer.length && count <= buffer.length - offset)) {
-    throw LoadError(Join("/buffers", index), "has " + std::to_string(buffer.length) + " bytes, but " +
-                                                 std::to_string(count) + " bytes at " + std::to_string(offset) +
-                                                 " are needed; byteOffset, byteStride or count is wrong");
+    throw LoadError(JoinPointer("/buffers", index), "has " + std::to_string(buffer.length) + " bytes, but " +
+                                                        std::to_string(count) + " bytes at " + std::to_string(offset) +
+                                                        " are needed; byteOffset, byteStride or count is wrong");
   }
   if (count == 0) return;
   if (buffer.file) {

@@ -40,11 +40,12 @@ const UseRow& RowOf(Use use) {
 }
 
 const ComponentRow& ComponentOf(const Json& parent, const std::string& pointer, Use use) {
-  const std::uint64_t type = Whole(parent, pointer, "componentType", 1 << 16, std::nullopt);
+  const std::uint64_t type = ReadInteger(parent, pointer, "componentType", 1 << 16, std::nullopt);
   for (const ComponentRow& row : kComponents) {
     if (row.type == type && (row.uses & use) != 0) return row;
   }
-  throw LoadError(Join(pointer, "componentType"), "is " + std::to_string(type) + ", must be " + RowOf(use).allowed);
+  throw LoadError(JoinPointer(pointer, "componentType"),
+                  "is " + std::to_string(type) + ", must be " + RowOf(use).allowed);
 }
 
 std::size_t ComponentBytes(std::uint64_t type) {
@@ -84,12 +85,12 @@ class Packer {
   // Where `bytes` bytes at `offset` of bufferView `view` are now.
   std::size_t Add(std::uint32_t view, const std::string& pointer, std::uint64_t offset, std::uint64_t bytes) {
     const Json& json = ElementOf(file_.root(), "bufferViews", view);
-    const std::string view_pointer = Join("/bufferViews", view);
+    const std::string view_pointer = JoinPointer("/bufferViews", view);
     CheckUncompressed(json, view_pointer);
-    const auto buffer = Index(json, view_pointer, "buffer", CountOf(file_.root(), "buffers"));
-    if (!buffer) throw LoadError(Join(view_pointer, "buffer"), "is missing");
-    const std::uint64_t view_offset = Whole(json, view_pointer, "byteOffset", kMaxOffset, 0);
-    const std::uint64_t view_length = Whole(json, view_pointer, "byteLength", kMaxOffset, std::nullopt);
+    const auto buffer = ReadIndex(json, view_pointer, "buffer", CountOf(file_.root(), "buffers"));
+    if (!buffer) throw LoadError(JoinPointer(view_pointer, "buffer"), "is missing");
+    const std::uint64_t view_offset = ReadInteger(json, view_pointer, "byteOffset", kMaxOffset, 0);
+    const std::uint64_t view_length = ReadInteger(json, view_pointer, "byteLength", kMaxOffset, std::nullopt);
     if (!(offset <= view_length && bytes <= view_length - offset)) {
       throw LoadError(pointer, "needs " + std::to_string(bytes) + " bytes at " + std::to_string(offset) + " of " +
                                    view_pointer + ", which has " + std::to_string(view_length) +
@@ -113,7 +114,7 @@ class Packer {
   static void CheckUncompressed(const Json& view, const std::string& pointer) {
     const Json* extensions = FindObject(view, pointer, "extensions");
     for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-      if (extensions && Find(*extensions, name)) {
+      if (extensions && FindMember(*extensions, name)) {
         throw LoadError(pointer,
                         std::string(name) + " is not supported; export without mesh compression (gltfpack: no -c)");
       }
@@ -158,15 +159,15 @@ class SubsetBuilder {
  private:
   void AddMesh(const MeshRequest& request) {
     const std::uint32_t mesh = request.mesh;
-    const std::string pointer = Join("/meshes", mesh);
+    const std::string pointer = JoinPointer("/meshes", mesh);
     const Json* primitives = FindArray(ElementOf(file_.root(), "meshes", mesh), pointer, "primitives");
-    if (!primitives) throw LoadError(Join(pointer, "primitives"), "is missing");
+    if (!primitives) throw LoadError(JoinPointer(pointer, "primitives"), "is missing");
     for (std::uint32_t i = 0; i < primitives->elements().size(); ++i) {
       const Json& json = primitives->elements()[i];
       SubsetPrimitive primitive;
       primitive.mesh = mesh;
       primitive.primitive = i;
-      primitive.pointer = Join(Join(pointer, "primitives"), i);
+      primitive.pointer = JoinPointer(JoinPointer(pointer, "primitives"), i);
       if (!json.is_object()) throw LoadError(primitive.pointer, "must be an object");
       AddPrimitive(json, i < request.uv_sets.size() ? request.uv_sets[i] : std::uint8_t{0}, request.paint, primitive);
       subset_.primitives.push_back(std::move(primitive));
@@ -174,7 +175,7 @@ class SubsetBuilder {
   }
 
   void AddPrimitive(const Json& json, std::uint8_t uv_sets, bool paint, SubsetPrimitive& primitive) {
-    const std::uint64_t mode = Whole(json, primitive.pointer, "mode", 6, 4);
+    const std::uint64_t mode = ReadInteger(json, primitive.pointer, "mode", 6, 4);
     if (mode < 4) {
       primitive.skipped = std::string("is drawn as ") + ModeName(mode) + "; only triangles are read";
       return;
@@ -182,7 +183,8 @@ class SubsetBuilder {
     const std::uint64_t accessors = CountOf(file_.root(), "accessors");
     const Json* attributes = FindObject(json, primitive.pointer, "attributes");
     const auto position =
-        attributes ? Index(*attributes, Join(primitive.pointer, "attributes"), "POSITION", accessors) : std::nullopt;
+        attributes ? ReadIndex(*attributes, JoinPointer(primitive.pointer, "attributes"), "POSITION", accessors)
+                   : std::nullopt;
     if (!position) {
       primitive.skipped = "has no POSITION";
       return;
@@ -191,14 +193,14 @@ class SubsetBuilder {
     primitive.accessor = *position;
     primitive.mode = mode;
     primitive.positions = AddAccessor(*position, kPosition);
-    if (const auto indices = Index(json, primitive.pointer, "indices", accessors))
+    if (const auto indices = ReadIndex(json, primitive.pointer, "indices", accessors))
       primitive.indices = AddAccessor(*indices, kIndex);
     for (std::size_t set = 0; set < haptics::kMaxUvSets; ++set) {
       if ((uv_sets >> set & 1) == 0) continue;
       const std::string name = "TEXCOORD_" + std::to_string(set);
-      const auto uv = Index(*attributes, Join(primitive.pointer, "attributes"), name.c_str(), accessors);
+      const auto uv = ReadIndex(*attributes, JoinPointer(primitive.pointer, "attributes"), name.c_str(), accessors);
       if (!uv) continue;
-      CheckCount(*uv, *position, Join(Join(primitive.pointer, "attributes"), name));
+      CheckCount(*uv, *position, JoinPointer(JoinPointer(primitive.pointer, "attributes"), name));
       primitive.uv[set] = AddAccessor(*uv, kUv);
       primitive.uv_sets = static_cast<std::uint8_t>(primitive.uv_sets | 1U << set);
     }
@@ -208,24 +210,24 @@ class SubsetBuilder {
 
   // Of a picture: those of NORMAL and COLOR_0 that are there.
   void AddPaint(const Json& attributes, std::uint32_t position, SubsetPrimitive& primitive) {
-    const std::string pointer = Join(primitive.pointer, "attributes");
+    const std::string pointer = JoinPointer(primitive.pointer, "attributes");
     const auto find = [&](const char* name) {
-      const auto accessor = Index(attributes, pointer, name, CountOf(file_.root(), "accessors"));
-      if (accessor) CheckCount(*accessor, position, Join(pointer, name));
+      const auto accessor = ReadIndex(attributes, pointer, name, CountOf(file_.root(), "accessors"));
+      if (accessor) CheckCount(*accessor, position, JoinPointer(pointer, name));
       return accessor;
     };
     if (const auto normals = find("NORMAL")) primitive.normals = AddAccessor(*normals, kNormal);
     if (const auto colours = find("COLOR_0")) {
       const Json& json = ElementOf(file_.root(), "accessors", *colours);
-      const bool four = FindString(json, Join("/accessors", *colours), "type", "") == "VEC4";
+      const bool four = FindString(json, JoinPointer("/accessors", *colours), "type", "") == "VEC4";
       primitive.colours = AddAccessor(*colours, four ? kColour4 : kColour3);
     }
   }
 
   void CheckCount(std::uint32_t accessor, std::uint32_t as_many_as, const std::string& pointer) {
     const auto count = [&](std::uint32_t index) {
-      return Whole(ElementOf(file_.root(), "accessors", index), Join("/accessors", index), "count", kMaxElements,
-                   std::nullopt);
+      return ReadInteger(ElementOf(file_.root(), "accessors", index), JoinPointer("/accessors", index), "count",
+                         kMaxElements, std::nullopt);
     };
     if (count(accessor) != count(as_many_as)) {
       throw LoadError(pointer, "has " + std::to_string(count(accessor)) + " elements, must have " +
@@ -234,15 +236,18 @@ class SubsetBuilder {
   }
 
   void AddInstances(std::uint32_t node) {
-    const std::string pointer = Join(Join(Join("/nodes", node), "extensions"), kInstancingExtension);
-    const Json& json = *Find(*Find(ElementOf(file_.root(), "nodes", node), "extensions"), kInstancingExtension);
+    const std::string pointer =
+        JoinPointer(JoinPointer(JoinPointer("/nodes", node), "extensions"), kInstancingExtension);
+    const Json& json =
+        *FindMember(*FindMember(ElementOf(file_.root(), "nodes", node), "extensions"), kInstancingExtension);
     const Json* attributes = FindObject(json, pointer, "attributes");
-    if (!attributes) throw LoadError(Join(pointer, "attributes"), "is missing");
+    if (!attributes) throw LoadError(JoinPointer(pointer, "attributes"), "is missing");
     SubsetInstances instances;
     instances.node = node;
     instances.count = CountInstances(file_.root(), node);
     const auto add = [&](const char* name, Use use) -> std::optional<std::size_t> {
-      const auto accessor = Index(*attributes, Join(pointer, "attributes"), name, CountOf(file_.root(), "accessors"));
+      const auto accessor =
+          ReadIndex(*attributes, JoinPointer(pointer, "attributes"), name, CountOf(file_.root(), "accessors"));
       return accessor ? std::optional(AddAccessor(*accessor, use)) : std::nullopt;
     };
     instances.translation = add("TRANSLATION", kVector);
@@ -255,8 +260,8 @@ class SubsetBuilder {
   // Without the extension in extensionsRequired a document carries the plain data as well, and that is read.
   void CheckDraco(const Json& primitive, const std::string& pointer, std::uint32_t position) {
     const Json* extensions = FindObject(primitive, pointer, "extensions");
-    if (!extensions || !Find(*extensions, kDraco)) return;
-    if (draco_required_ || !Find(ElementOf(file_.root(), "accessors", position), "bufferView")) {
+    if (!extensions || !FindMember(*extensions, kDraco)) return;
+    if (draco_required_ || !FindMember(ElementOf(file_.root(), "accessors", position), "bufferView")) {
       throw LoadError(pointer, std::string(kDraco) + " is not supported; export without mesh compression");
     }
   }
@@ -264,15 +269,16 @@ class SubsetBuilder {
   std::size_t AddAccessor(std::uint32_t index, Use use) {
     const auto found = accessor_numbers_.find({index, use});
     if (found != accessor_numbers_.end()) return found->second;
-    const std::string pointer = Join("/accessors", index);
+    const std::string pointer = JoinPointer("/accessors", index);
     const Json& json = ElementOf(file_.root(), "accessors", index);
     const ComponentRow& component = ComponentOf(json, pointer, use);
     const char* type = RowOf(use).type;
     if (FindString(json, pointer, "type", "") != type)
-      throw LoadError(Join(pointer, "type"), std::string("must be ") + type);
-    const std::uint64_t count = Whole(json, pointer, "count", kMaxElements, std::nullopt);
-    const Json* normalized = Find(json, "normalized");
-    if (normalized && !normalized->is_boolean()) throw LoadError(Join(pointer, "normalized"), "must be true or false");
+      throw LoadError(JoinPointer(pointer, "type"), std::string("must be ") + type);
+    const std::uint64_t count = ReadInteger(json, pointer, "count", kMaxElements, std::nullopt);
+    const Json* normalized = FindMember(json, "normalized");
+    if (normalized && !normalized->is_boolean())
+      throw LoadError(JoinPointer(pointer, "normalized"), "must be true or false");
     SubsetAccessor packed;
     packed.component = component.type;
     packed.normalized = normalized && normalized->boolean() && component.type != 5126;
@@ -285,14 +291,14 @@ class SubsetBuilder {
   }
 
   void AddData(const Json& json, const std::string& pointer, SubsetAccessor& packed) {
-    const auto view = Index(json, pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
+    const auto view = ReadIndex(json, pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
     if (!view) return AddZeros(pointer, packed);
     const std::uint64_t element = ElementBytes(packed);
-    const std::uint64_t offset = Whole(json, pointer, "byteOffset", kMaxOffset, 0);
+    const std::uint64_t offset = ReadInteger(json, pointer, "byteOffset", kMaxOffset, 0);
     const Json& view_json = ElementOf(file_.root(), "bufferViews", *view);
-    const std::uint64_t stride = Whole(view_json, Join("/bufferViews", *view), "byteStride", 252, 0);
+    const std::uint64_t stride = ReadInteger(view_json, JoinPointer("/bufferViews", *view), "byteStride", 252, 0);
     if (!(stride == 0 || (stride >= element && stride % 4 == 0))) {
-      throw LoadError(Join(Join("/bufferViews", *view), "byteStride"),
+      throw LoadError(JoinPointer(JoinPointer("/bufferViews", *view), "byteStride"),
                       "is " + std::to_string(stride) + ", must be a multiple of 4 and at least the element's " +
                           std::to_string(element) + " bytes");
     }
@@ -319,19 +325,19 @@ class SubsetBuilder {
   void AddSparse(const Json& json, const std::string& pointer, SubsetAccessor& packed) {
     const Json* sparse = FindObject(json, pointer, "sparse");
     if (!sparse) return;
-    const std::string place = Join(pointer, "sparse");
-    packed.changed = static_cast<std::size_t>(Whole(*sparse, place, "count", packed.count, std::nullopt));
+    const std::string place = JoinPointer(pointer, "sparse");
+    packed.changed = static_cast<std::size_t>(ReadInteger(*sparse, place, "count", packed.count, std::nullopt));
     const auto add = [&](const char* part, std::uint64_t element) {
-      const std::string part_pointer = Join(place, part);
-      const Json& part_json = *Find(*sparse, part);
-      const auto view = Index(part_json, part_pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
-      if (!view) throw LoadError(Join(part_pointer, "bufferView"), "is missing");
-      const std::uint64_t offset = Whole(part_json, part_pointer, "byteOffset", kMaxOffset, 0);
+      const std::string part_pointer = JoinPointer(place, part);
+      const Json& part_json = *FindMember(*sparse, part);
+      const auto view = ReadIndex(part_json, part_pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
+      if (!view) throw LoadError(JoinPointer(part_pointer, "bufferView"), "is missing");
+      const std::uint64_t offset = ReadInteger(part_json, part_pointer, "byteOffset", kMaxOffset, 0);
       return packer_.Add(*view, part_pointer, offset, element * packed.changed);
     };
     for (const char* part : {"indices", "values"})
-      if (!FindObject(*sparse, place, part)) throw LoadError(Join(place, part), "is missing");
-    packed.index_component = ComponentOf(*Find(*sparse, "indices"), Join(place, "indices"), kIndex).type;
+      if (!FindObject(*sparse, place, part)) throw LoadError(JoinPointer(place, part), "is missing");
+    packed.index_component = ComponentOf(*FindMember(*sparse, "indices"), JoinPointer(place, "indices"), kIndex).type;
     packed.index_offset = add("indices", ComponentBytes(packed.index_component));
     packed.value_offset = add("values", ElementBytes(packed));
   }

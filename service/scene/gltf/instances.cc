@@ -12,24 +12,26 @@
 namespace omni::scene {
 
 bool IsInstanced(const Json& root, std::uint32_t node) {
-  const Json* extensions = Find(ElementOf(root, "nodes", node), "extensions");
-  return extensions && Find(*extensions, kInstancingExtension);
+  const Json* extensions = FindMember(ElementOf(root, "nodes", node), "extensions");
+  return extensions && FindMember(*extensions, kInstancingExtension);
 }
 
 std::uint64_t CountInstances(const Json& root, std::uint32_t node) {
-  const std::string pointer = Join("/nodes", node);
+  const std::string pointer = JoinPointer("/nodes", node);
   const Json* extensions = FindObject(ElementOf(root, "nodes", node), pointer, "extensions");
-  const std::string place = Join(Join(pointer, "extensions"), kInstancingExtension);
-  const Json* json = extensions ? FindObject(*extensions, Join(pointer, "extensions"), kInstancingExtension) : nullptr;
+  const std::string place = JoinPointer(JoinPointer(pointer, "extensions"), kInstancingExtension);
+  const Json* json =
+      extensions ? FindObject(*extensions, JoinPointer(pointer, "extensions"), kInstancingExtension) : nullptr;
   if (!json) return 1;
   const Json* attributes = FindObject(*json, place, "attributes");
   std::optional<std::uint64_t> count;
   for (const char* name : {"TRANSLATION", "ROTATION", "SCALE"}) {
     const auto accessor =
-        attributes ? Index(*attributes, Join(place, "attributes"), name, CountOf(root, "accessors")) : std::nullopt;
+        attributes ? ReadIndex(*attributes, JoinPointer(place, "attributes"), name, CountOf(root, "accessors"))
+                   : std::nullopt;
     if (!accessor) continue;
-    const std::uint64_t own = Whole(ElementOf(root, "accessors", *accessor), Join("/accessors", *accessor), "count",
-                                    haptics::kMaxTriangles, std::nullopt);
+    const std::uint64_t own = ReadInteger(ElementOf(root, "accessors", *accessor), JoinPointer("/accessors", *accessor),
+                                          "count", haptics::kMaxTriangles, std::nullopt);
     if (count && own != *count) throw LoadError(place, "has attributes of different counts; they must be equal");
     count = own;
   }
@@ -59,32 +61,33 @@ namespace {
 constexpr std::uint64_t kMaxParts = 400'000;
 
 std::uint64_t CountPrimitives(const Json& root, std::uint32_t mesh) {
-  const Json* primitives = FindArray(ElementOf(root, "meshes", mesh), Join("/meshes", mesh), "primitives");
+  const Json* primitives = FindArray(ElementOf(root, "meshes", mesh), JoinPointer("/meshes", mesh), "primitives");
   return primitives ? primitives->elements().size() : 0;
 }
 
 // Of a mesh. Throws LoadError.
 std::uint64_t CountTriangles(const Json& root, std::uint32_t mesh) {
-  const std::string pointer = Join("/meshes", mesh);
+  const std::string pointer = JoinPointer("/meshes", mesh);
   const Json* primitives = FindArray(ElementOf(root, "meshes", mesh), pointer, "primitives");
   const std::uint64_t accessors = CountOf(root, "accessors");
   std::uint64_t sum = 0;
   for (std::uint32_t i = 0; primitives && i < primitives->elements().size(); ++i) {
     const Json& json = primitives->elements()[i];
-    const std::string place = Join(Join(pointer, "primitives"), i);
+    const std::string place = JoinPointer(JoinPointer(pointer, "primitives"), i);
     if (!json.is_object()) throw LoadError(place, "must be an object");
-    const std::uint64_t mode = Whole(json, place, "mode", 6, 4);
-    auto run = Index(json, place, "indices", accessors);
+    const std::uint64_t mode = ReadInteger(json, place, "mode", 6, 4);
+    auto run = ReadIndex(json, place, "indices", accessors);
     const Json* attributes = run ? nullptr : FindObject(json, place, "attributes");
-    if (attributes) run = Index(*attributes, Join(place, "attributes"), "POSITION", accessors);
+    if (attributes) run = ReadIndex(*attributes, JoinPointer(place, "attributes"), "POSITION", accessors);
     if (mode < 4 || !run) continue;
-    const std::string accessor = Join("/accessors", *run);
-    const std::uint64_t count = Whole(ElementOf(root, "accessors", *run), accessor, "count", 1ull << 40, std::nullopt);
+    const std::string accessor = JoinPointer("/accessors", *run);
+    const std::uint64_t count =
+        ReadInteger(ElementOf(root, "accessors", *run), accessor, "count", 1ull << 40, std::nullopt);
     const std::uint64_t triangles = mode == 4 ? count / 3 : (count < 2 ? 0 : count - 2);
     if (triangles > haptics::kMaxTriangles) {
-      throw LoadError(Join(accessor, "count"), "is " + std::to_string(count) + ": " + std::to_string(triangles) +
-                                                   " triangles, the limit is " +
-                                                   std::to_string(haptics::kMaxTriangles) + "; simplify the model");
+      throw LoadError(JoinPointer(accessor, "count"),
+                      "is " + std::to_string(count) + ": " + std::to_string(triangles) + " triangles, the limit is " +
+                          std::to_string(haptics::kMaxTriangles) + "; simplify the model");
     }
     sum += triangles;
   }

@@ -60,7 +60,7 @@ void AppendShown(const Json& value, std::string& text) {
 
 }  // namespace
 
-std::string Shown(const Json& value) {
+std::string ValueText(const Json& value) {
   std::string text;
   AppendShown(value, text);
   if (text.size() > kMostShown) text = text.substr(0, kMostShown - 3) + "...";
@@ -74,7 +74,7 @@ base::JsonDocument ParseJson(std::string_view text) {
   return std::move(*document);
 }
 
-std::string Join(const std::string& pointer, std::string_view key) {
+std::string JoinPointer(const std::string& pointer, std::string_view key) {
   std::string joined = pointer + "/";
   for (const char c : key) {
     if (c == '~') {
@@ -88,26 +88,30 @@ std::string Join(const std::string& pointer, std::string_view key) {
   return joined;
 }
 
-std::string Join(const std::string& pointer, std::uint64_t index) { return pointer + "/" + std::to_string(index); }
+std::string JoinPointer(const std::string& pointer, std::uint64_t index) {
+  return pointer + "/" + std::to_string(index);
+}
 
-const Json* Find(const Json& parent, std::string_view key) { return parent.Find(key); }
+const Json* FindMember(const Json& parent, std::string_view key) { return parent.Find(key); }
 
 const Json* FindObject(const Json& parent, const std::string& pointer, const char* key) {
-  const Json* found = Find(parent, key);
-  if (found && !found->is_object()) throw LoadError(Join(pointer, key), "is " + Shown(*found) + ", must be an object");
+  const Json* found = FindMember(parent, key);
+  if (found && !found->is_object())
+    throw LoadError(JoinPointer(pointer, key), "is " + ValueText(*found) + ", must be an object");
   return found;
 }
 
 const Json* FindArray(const Json& parent, const std::string& pointer, const char* key) {
-  const Json* found = Find(parent, key);
-  if (found && !found->is_array()) throw LoadError(Join(pointer, key), "is " + Shown(*found) + ", must be an array");
+  const Json* found = FindMember(parent, key);
+  if (found && !found->is_array())
+    throw LoadError(JoinPointer(pointer, key), "is " + ValueText(*found) + ", must be an array");
   return found;
 }
 
 std::string FindString(const Json& parent, const std::string& pointer, const char* key, const std::string& fallback) {
-  const Json* found = Find(parent, key);
+  const Json* found = FindMember(parent, key);
   if (!found) return fallback;
-  if (!found->is_text()) throw LoadError(Join(pointer, key), "is " + Shown(*found) + ", must be a string");
+  if (!found->is_text()) throw LoadError(JoinPointer(pointer, key), "is " + ValueText(*found) + ", must be a string");
   return std::string(found->text());
 }
 
@@ -117,23 +121,23 @@ std::uint64_t CountOf(const Json& root, const char* key) {
 }
 
 const Json& ElementOf(const Json& root, const char* key, std::uint64_t index) {
-  const auto pointer = [&] { return Join(Join("", key), index); };
+  const auto pointer = [&] { return JoinPointer(JoinPointer("", key), index); };
   const Json* array = FindArray(root, "", key);
   if (!array || index >= array->elements().size()) throw LoadError(pointer(), "does not exist");
   const Json& element = array->elements()[static_cast<std::size_t>(index)];
-  if (!element.is_object()) throw LoadError(pointer(), "is " + Shown(element) + ", must be an object");
+  if (!element.is_object()) throw LoadError(pointer(), "is " + ValueText(element) + ", must be an object");
   return element;
 }
 
-std::uint64_t Whole(const Json& parent, const std::string& pointer, const char* key, std::uint64_t maximum,
-                    std::optional<std::uint64_t> fallback) {
-  const Json* found = Find(parent, key);
+std::uint64_t ReadInteger(const Json& parent, const std::string& pointer, const char* key, std::uint64_t maximum,
+                          std::optional<std::uint64_t> fallback) {
+  const Json* found = FindMember(parent, key);
   if (!found && fallback) return *fallback;
-  if (!found) throw LoadError(Join(pointer, key), "is missing");
+  if (!found) throw LoadError(JoinPointer(pointer, key), "is missing");
   const std::optional<std::uint64_t> number = found->whole();  // 2.0 and -1 are refused
   if (!number || *number > maximum) {
-    throw LoadError(Join(pointer, key),
-                    "is " + Shown(*found) + ", must be a whole number from 0 to " + std::to_string(maximum));
+    throw LoadError(JoinPointer(pointer, key),
+                    "is " + ValueText(*found) + ", must be a whole number from 0 to " + std::to_string(maximum));
   }
   return *number;
 }
@@ -141,30 +145,31 @@ std::uint64_t Whole(const Json& parent, const std::string& pointer, const char* 
 std::uint32_t IndexIn(const Json& value, const std::string& pointer, std::uint64_t count) {
   const std::optional<std::uint64_t> index = value.whole();
   if (!index || *index >= count || *index > std::numeric_limits<std::uint32_t>::max())
-    throw LoadError(pointer, "is " + Shown(value) + ", must be an index below " + std::to_string(count));
+    throw LoadError(pointer, "is " + ValueText(value) + ", must be an index below " + std::to_string(count));
   return static_cast<std::uint32_t>(*index);
 }
 
-std::optional<std::uint32_t> Index(const Json& parent, const std::string& pointer, const char* key,
-                                   std::uint64_t count) {
-  const Json* found = Find(parent, key);
+std::optional<std::uint32_t> ReadIndex(const Json& parent, const std::string& pointer, const char* key,
+                                       std::uint64_t count) {
+  const Json* found = FindMember(parent, key);
   if (!found) return std::nullopt;
-  return IndexIn(*found, Join(pointer, key), count);
+  return IndexIn(*found, JoinPointer(pointer, key), count);
 }
 
-std::vector<double> Numbers(const Json& parent, const std::string& pointer, const char* key, std::size_t count) {
+std::vector<double> ReadNumberArray(const Json& parent, const std::string& pointer, const char* key,
+                                    std::size_t count) {
   const Json* found = FindArray(parent, pointer, key);
   if (!found) return {};
   if (found->elements().size() != count) {
-    throw LoadError(Join(pointer, key), "has " + std::to_string(found->elements().size()) + " elements, must have " +
-                                            std::to_string(count));
+    throw LoadError(JoinPointer(pointer, key), "has " + std::to_string(found->elements().size()) +
+                                                   " elements, must have " + std::to_string(count));
   }
   std::vector<double> numbers;
   for (const Json& element : found->elements()) {
     const double number = element.number();
     if (!(std::abs(number) <= 1e12)) {
-      throw LoadError(Join(Join(pointer, key), numbers.size()),
-                      "is " + Shown(element) + ", must be a number within +-1e12");
+      throw LoadError(JoinPointer(JoinPointer(pointer, key), numbers.size()),
+                      "is " + ValueText(element) + ", must be a number within +-1e12");
     }
     numbers.push_back(number);
   }

@@ -35,14 +35,14 @@ inline constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON", of a binary 
 base::JsonDocument ParseJson(std::string_view text);
 
 // A value as text, cut to 60 characters; for messages.
-std::string Shown(const Json& value);
+std::string ValueText(const Json& value);
 
 // RFC 6901: "/" and "~" in keys are escaped.
-std::string Join(const std::string& pointer, std::string_view key);
-std::string Join(const std::string& pointer, std::uint64_t index);
+std::string JoinPointer(const std::string& pointer, std::string_view key);
+std::string JoinPointer(const std::string& pointer, std::uint64_t index);
 
 // The member `key`, or nullptr when absent or when `parent` is no object.
-const Json* Find(const Json& parent, std::string_view key);
+const Json* FindMember(const Json& parent, std::string_view key);
 
 // As Find, but a member of another type is an error.
 const Json* FindObject(const Json& parent, const std::string& pointer, const char* key);
@@ -54,17 +54,17 @@ const Json& ElementOf(const Json& root, const char* key, std::uint64_t index);
 std::uint64_t CountOf(const Json& root, const char* key);
 
 // A whole number in [0, maximum]; absent: `fallback`, or an error when there is none.
-std::uint64_t Whole(const Json& parent, const std::string& pointer, const char* key, std::uint64_t maximum,
-                    std::optional<std::uint64_t> fallback);
+std::uint64_t ReadInteger(const Json& parent, const std::string& pointer, const char* key, std::uint64_t maximum,
+                          std::optional<std::uint64_t> fallback);
 
 // An index into something with `count` elements.
 std::uint32_t IndexIn(const Json& value, const std::string& pointer, std::uint64_t count);
 
 // The same of a member; absent: nullopt.
-std::optional<std::uint32_t> Index(const Json& parent, const std::string& pointer, const char* key,
-                                   std::uint64_t count);
+std::optional<std::uint32_t> ReadIndex(const Json& parent, const std::string& pointer, const char* key,
+                                       std::uint64_t count);
 
 // Exactly `count` finite numbers; absent: empty.
-std::vector<double> Numbers(const Json& parent, const std::string& pointer, const char* key, std::size_t count);
+std::vector<double> ReadNumberArray(const Json& parent, const std::string& pointer, const char* key, std::size_t count);
 
 }  // namespace omni::scene

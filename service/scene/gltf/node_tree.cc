@@ -11,16 +11,18 @@ namespace {
 
 // X = T R S, or the matrix as it stands (column-major)   [glTF 2.0, 3.5.3]
 glm::dmat4 LocalTransform(const Json& node, const std::string& pointer) {
-  if (const auto m = Numbers(node, pointer, "matrix", 16); !m.empty()) return glm::make_mat4(m.data());
+  if (const auto m = ReadNumberArray(node, pointer, "matrix", 16); !m.empty()) return glm::make_mat4(m.data());
   glm::dmat4 X(1.0);
-  if (const auto t = Numbers(node, pointer, "translation", 3); !t.empty()) X[3] = glm::dvec4(t[0], t[1], t[2], 1);
-  if (const auto q = Numbers(node, pointer, "rotation", 4); !q.empty()) {
+  if (const auto t = ReadNumberArray(node, pointer, "translation", 3); !t.empty())
+    X[3] = glm::dvec4(t[0], t[1], t[2], 1);
+  if (const auto q = ReadNumberArray(node, pointer, "rotation", 4); !q.empty()) {
     const glm::dquat rotation(q[3], q[0], q[1], q[2]);
     const double length = glm::length(rotation);
-    if (!(length > 1e-6)) throw LoadError(Join(pointer, "rotation"), "is zero, must be a unit quaternion x, y, z, w");
+    if (!(length > 1e-6))
+      throw LoadError(JoinPointer(pointer, "rotation"), "is zero, must be a unit quaternion x, y, z, w");
     X = X * glm::mat4_cast(rotation / length);
   }
-  if (const auto s = Numbers(node, pointer, "scale", 3); !s.empty()) {
+  if (const auto s = ReadNumberArray(node, pointer, "scale", 3); !s.empty()) {
     X[0] *= s[0];
     X[1] *= s[1];
     X[2] *= s[2];
@@ -43,7 +45,7 @@ std::vector<std::uint32_t> Indices(const Json& parent, const std::string& pointe
   const Json* array = FindArray(parent, pointer, key);
   if (!array) return indices;
   for (const Json& element : array->elements())
-    indices.push_back(IndexIn(element, Join(Join(pointer, key), indices.size()), count));
+    indices.push_back(IndexIn(element, JoinPointer(JoinPointer(pointer, key), indices.size()), count));
   return indices;
 }
 
@@ -79,8 +81,8 @@ class Walk {
                                     std::to_string(options_.max_nodes) + "; join meshes before exporting");
     }
     if (const std::uint64_t scenes = CountOf(root_, "scenes"); scenes > 0) {
-      const std::uint32_t scene = Index(root_, "", "scene", scenes).value_or(0);
-      return Indices(ElementOf(root_, "scenes", scene), Join("/scenes", scene), "nodes", count_);
+      const std::uint32_t scene = ReadIndex(root_, "", "scene", scenes).value_or(0);
+      return Indices(ElementOf(root_, "scenes", scene), JoinPointer("/scenes", scene), "nodes", count_);
     }
     std::vector<bool> is_child(count_, false);
     for (std::uint32_t node = 0; node < count_; ++node) {
@@ -96,13 +98,13 @@ class Walk {
   }
 
   std::vector<std::uint32_t> Children(std::uint32_t node) {
-    return Indices(ElementOf(root_, "nodes", node), Join("/nodes", node), "children", count_);
+    return Indices(ElementOf(root_, "nodes", node), JoinPointer("/nodes", node), "children", count_);
   }
 
   void Visit(const Pending& pending) {
     NodeVisit visit;
     visit.node = pending.node;
-    visit.pointer = Join("/nodes", pending.node);
+    visit.pointer = JoinPointer("/nodes", pending.node);
     if (seen_[pending.node]) {
       throw LoadError(visit.pointer,
                       "is reached twice: it is its own ancestor or has two parents; a node has one parent");
@@ -116,7 +118,7 @@ class Walk {
     visit.name = FindString(node, visit.pointer, "name", "node " + std::to_string(pending.node));
     visit.world = pending.parent_world * LocalTransform(node, visit.pointer);
     if (!Finite(visit.world)) throw LoadError(visit.pointer, "its transform, with its parents', is not finite");
-    visit.mesh = Index(node, visit.pointer, "mesh", CountOf(root_, "meshes"));
+    visit.mesh = ReadIndex(node, visit.pointer, "mesh", CountOf(root_, "meshes"));
     visit.inherited = pending.inherited;
     if (HapticTag own = ReadExtras(node, visit.pointer, warnings_); own.present) {
       visit.own = std::make_shared<const HapticTag>(std::move(own));

@@ -22,13 +22,13 @@ constexpr TextureKey kTextureKeys[] = {{"stiffness", kStiffnessTexture},
 
 const Json* Extension(const Json& owner, const std::string& pointer, const char* name) {
   const Json* extensions = FindObject(owner, pointer, "extensions");
-  return extensions ? FindObject(*extensions, Join(pointer, "extensions"), name) : nullptr;
+  return extensions ? FindObject(*extensions, JoinPointer(pointer, "extensions"), name) : nullptr;
 }
 
 const HapticTag kNoTag;
 
 std::string PlaceOf(const std::string& pointer, const char* extension) {
-  return Join(Join(pointer, "extensions"), extension);
+  return JoinPointer(JoinPointer(pointer, "extensions"), extension);
 }
 
 }  // namespace
@@ -47,21 +47,21 @@ const HapticTag& Binding::MpegMaterial(const char* extension, const Json& user, 
   const std::string place = PlaceOf("", extension);
   const Json* mpeg = Extension(root_, "", extension);
   const Json* materials = mpeg ? FindArray(*mpeg, place, "materials") : nullptr;
-  const auto index = Index(user, pointer, key, materials ? materials->elements().size() : 0);
-  if (!index || materials == nullptr) throw LoadError(Join(pointer, key), "is missing");
-  const std::string material = Join(Join(place, "materials"), *index);
+  const auto index = ReadIndex(user, pointer, key, materials ? materials->elements().size() : 0);
+  if (!index || materials == nullptr) throw LoadError(JoinPointer(pointer, key), "is missing");
+  const std::string material = JoinPointer(JoinPointer(place, "materials"), *index);
   return Cached(material, [&] {
     const Json& json = materials->elements()[*index];
     if (!json.is_object()) throw LoadError(material, "must be an object");
     for (const char* texture : {"haptic", "temperature", "vibration", "custom"}) {
-      if (Find(json, texture)) warnings_.Add(Join(material, texture), "is not rendered");
+      if (FindMember(json, texture)) warnings_.Add(JoinPointer(material, texture), "is not rendered");
     }
     HapticTag tag;
     if (const Json* omni = Extension(json, material, kOmni)) tag = ReadTag(*omni, PlaceOf(material, kOmni), warnings_);
     for (const auto& [name, role] : kTextureKeys) {
-      const Json* list = Find(json, name);
+      const Json* list = FindMember(json, name);
       if (!list) continue;
-      if (auto use = ReadTextureUse(root_, *list, Join(material, name), warnings_))
+      if (auto use = ReadTextureUse(root_, *list, JoinPointer(material, name), warnings_))
         tag.textures[role] = std::make_shared<const TextureUse>(std::move(*use));
     }
     tag.present = true;
@@ -70,7 +70,7 @@ const HapticTag& Binding::MpegMaterial(const char* extension, const Json& user, 
 }
 
 const HapticTag& Binding::MeshExtension(std::uint32_t mesh) {
-  const std::string pointer = Join("/meshes", mesh);
+  const std::string pointer = JoinPointer("/meshes", mesh);
   return Cached(pointer + "/extensions", [&] {
     HapticTag tag;
     const Json& json = ElementOf(root_, "meshes", mesh);
@@ -83,13 +83,13 @@ const HapticTag& Binding::MeshExtension(std::uint32_t mesh) {
 }
 
 const HapticTag& Binding::MaterialExtension(std::uint32_t material) {
-  const std::string pointer = Join("/materials", material);
+  const std::string pointer = JoinPointer("/materials", material);
   return Cached(pointer + "/extensions", [&] {
     HapticTag tag;
     const Json* omni = Extension(ElementOf(root_, "materials", material), pointer, kOmni);
     if (!omni) return tag;
     const std::string place = PlaceOf(pointer, kOmni);
-    if (Find(*omni, "material")) {
+    if (FindMember(*omni, "material")) {
       const char* spelling = Extension(root_, "", kMpegSpellings[0]) ? kMpegSpellings[0] : kMpegSpellings[1];
       tag = MpegMaterial(spelling, *omni, place, "material");
     }
@@ -99,12 +99,12 @@ const HapticTag& Binding::MaterialExtension(std::uint32_t material) {
 }
 
 const HapticTag& Binding::MeshExtras(std::uint32_t mesh) {
-  const std::string pointer = Join("/meshes", mesh);
+  const std::string pointer = JoinPointer("/meshes", mesh);
   return Cached(pointer, [&] { return ReadExtras(ElementOf(root_, "meshes", mesh), pointer, warnings_); });
 }
 
 const HapticTag& Binding::MaterialExtras(std::uint32_t material) {
-  const std::string pointer = Join("/materials", material);
+  const std::string pointer = JoinPointer("/materials", material);
   return Cached(pointer, [&] { return ReadExtras(ElementOf(root_, "materials", material), pointer, warnings_); });
 }
 
@@ -119,25 +119,25 @@ const HapticTag& Binding::Physics(const NodeVisit& node) {
     const Json* physics = Extension(root_, "", kPhysics);
     const std::string root_place = PlaceOf("", kPhysics);
     const Json* materials = physics ? FindArray(*physics, root_place, "physicsMaterials") : nullptr;
-    const auto index =
-        Index(*collider, Join(place, "collider"), "physicsMaterial", materials ? materials->elements().size() : 0);
+    const auto index = ReadIndex(*collider, JoinPointer(place, "collider"), "physicsMaterial",
+                                 materials ? materials->elements().size() : 0);
     if (!index || !materials) return tag;
     return ReadNumbers(materials->elements()[*index], {"staticFriction", "dynamicFriction", "restitution"},
-                       Join(Join(root_place, "physicsMaterials"), *index), warnings_);
+                       JoinPointer(JoinPointer(root_place, "physicsMaterials"), *index), warnings_);
   });
 }
 
 std::optional<std::uint32_t> Binding::MaterialOfPrimitive(std::uint32_t mesh, std::uint32_t primitive) {
-  const std::string pointer = Join("/meshes", mesh);
+  const std::string pointer = JoinPointer("/meshes", mesh);
   const Json* primitives = FindArray(ElementOf(root_, "meshes", mesh), pointer, "primitives");
   if (!primitives || primitive >= primitives->elements().size()) return std::nullopt;
-  return Index(primitives->elements()[primitive], Join(Join(pointer, "primitives"), primitive), "material",
-               CountOf(root_, "materials"));
+  return ReadIndex(primitives->elements()[primitive], JoinPointer(JoinPointer(pointer, "primitives"), primitive),
+                   "material", CountOf(root_, "materials"));
 }
 
 bool Binding::MeshTagged(std::uint32_t mesh) {
   if (MeshExtras(mesh).present || MeshExtension(mesh).present) return true;
-  const Json* primitives = Find(ElementOf(root_, "meshes", mesh), "primitives");
+  const Json* primitives = FindMember(ElementOf(root_, "meshes", mesh), "primitives");
   for (std::uint32_t i = 0; primitives && i < primitives->elements().size(); ++i) {
     const auto material = MaterialOfPrimitive(mesh, i);
     if (material && (MaterialExtras(*material).present || MaterialExtension(*material).present)) return true;
@@ -145,7 +145,7 @@ bool Binding::MeshTagged(std::uint32_t mesh) {
   return false;
 }
 
-bool Binding::Tagged(const NodeVisit& node) {
+bool Binding::HasTag(const NodeVisit& node) {
   if (node.inherited->present || Physics(node).present) return true;
   if (!node.mesh) return false;
   // Once a mesh: a hundred thousand nodes may show one of a hundred thousand primitives.

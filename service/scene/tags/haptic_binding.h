@@ -23,7 +23,7 @@ class Binding {
   Binding(const Json& root, Warnings& warnings) : root_(root), warnings_(warnings) {}
 
   // Whether the mesh of this node has a tag at any of these places.
-  bool Tagged(const NodeVisit& node);
+  bool HasTag(const NodeVisit& node);
 
   // The tag that holds for primitive `primitive` of the node's mesh.
   HapticTag TagOf(const NodeVisit& node, std::uint32_t primitive);

@@ -41,11 +41,11 @@ class TagReader {
       : tag_(tag), warnings_(warnings), besides_(besides) {}
 
   void ReadObject(const Json& object, const std::string& prefix, const std::string& pointer) {
-    const Json* role = prefix.empty() ? Find(object, "role") : nullptr;
-    if (role) ReadRole(*role, Join(pointer, "role"));
+    const Json* role = prefix.empty() ? FindMember(object, "role") : nullptr;
+    if (role) ReadRole(*role, JoinPointer(pointer, "role"));
     for (const auto& [key, value] : object.members()) {
       const std::string path = prefix + std::string(key);
-      if (path != besides_) ReadKey(path, value, Join(pointer, key));
+      if (path != besides_) ReadKey(path, value, JoinPointer(pointer, key));
     }
   }
 
@@ -78,7 +78,7 @@ class TagReader {
       tag_.role = *role;
     } else {
       warnings_.Add(pointer,
-                    "is " + Shown(value) +
+                    "is " + ValueText(value) +
                         ", must be solid, ignore, joystick, vehicle, wall, track or checkpoint; solid is used" +
                         Meant(value, kRoles));
     }
@@ -134,7 +134,7 @@ class TagReader {
     if (const haptics::SoftnessModel* model = ValueNamed(kSoftnessModels, value)) {
       tag_.softness = *model;
     } else {
-      warnings_.Add(pointer, "is " + Shown(value) + ", must be none, winkler or tet; it is ignored" +
+      warnings_.Add(pointer, "is " + ValueText(value) + ", must be none, winkler or tet; it is ignored" +
                                  Meant(value, kSoftnessModels));
     }
   }
@@ -150,7 +150,7 @@ class TagReader {
     std::string names;
     for (const TagWord<Value>& word : words) names += (names.empty() ? "" : ", ") + std::string(word.name);
     warnings_.Add(pointer,
-                  "is " + Shown(value) + ", must be one of " + names + "; it is ignored" + Meant(value, words));
+                  "is " + ValueText(value) + ", must be one of " + names + "; it is ignored" + Meant(value, words));
   }
 
   void ReadDirection(const Json& value, const std::string& pointer) {
@@ -165,7 +165,7 @@ class TagReader {
     if (sound && direction != std::array<double, 3>{}) {
       tag_.fibre_direction = direction;
     } else {
-      warnings_.Add(pointer, "is " + Shown(value) + ", must be three numbers, not all zero; it is ignored");
+      warnings_.Add(pointer, "is " + ValueText(value) + ", must be three numbers, not all zero; it is ignored");
     }
   }
 
@@ -176,7 +176,7 @@ class TagReader {
     } else if (value.number() == 0 || value.number() == 1) {
       flag = value.number() == 1;
     } else {
-      warnings_.Add(pointer, "is " + Shown(value) + ", must be true or false; it is ignored");
+      warnings_.Add(pointer, "is " + ValueText(value) + ", must be true or false; it is ignored");
     }
   }
 
@@ -192,7 +192,7 @@ class TagReader {
                                 const std::string& pointer) {
     const double number = value.number();
     if (!std::isfinite(number)) {
-      warnings_.Add(pointer, "is " + Shown(value) + ", must be a number; the default is used");
+      warnings_.Add(pointer, "is " + ValueText(value) + ", must be a number; the default is used");
       return std::nullopt;
     }
     const double clamped = std::clamp(whole ? std::round(number) : number, minimum, maximum);
@@ -277,7 +277,7 @@ HapticTag ReadTag(const Json& tag, const std::string& pointer, Warnings& warning
   } else if (tag.is_boolean() || tag.number() == 0 || tag.number() == 1) {
     read.present = tag.boolean() || tag.number() == 1;
   } else {
-    warnings.Add(pointer, "is " + Shown(tag) + ", must be an object, a role or true; the default material is used");
+    warnings.Add(pointer, "is " + ValueText(tag) + ", must be an object, a role or true; the default material is used");
   }
   return read;
 }
@@ -288,23 +288,23 @@ HapticTag ReadNumbers(const Json& object, std::initializer_list<const char*> key
   TagReader reader(read, warnings);
   read.present = true;
   for (const char* key : keys) {
-    if (const Json* value = Find(object, key)) reader.ReadKey(key, *value, Join(pointer, key));
+    if (const Json* value = FindMember(object, key)) reader.ReadKey(key, *value, JoinPointer(pointer, key));
   }
   return read;
 }
 
 HapticTag ReadExtras(const Json& owner, const std::string& pointer, Warnings& warnings) {
   HapticTag read;
-  const Json* extras = Find(owner, "extras");
+  const Json* extras = FindMember(owner, "extras");
   if (!extras || !extras->is_object()) return read;
-  const std::string place = Join(pointer, "extras");
-  if (const Json* tag = Find(*extras, "haptic")) read = ReadTag(*tag, Join(place, "haptic"), warnings);
+  const std::string place = JoinPointer(pointer, "extras");
+  if (const Json* tag = FindMember(*extras, "haptic")) read = ReadTag(*tag, JoinPointer(place, "haptic"), warnings);
   TagReader reader(read, warnings);
-  if (const Json* role = Find(*extras, "haptic.role")) reader.ReadRole(*role, Join(place, "haptic.role"));
+  if (const Json* role = FindMember(*extras, "haptic.role")) reader.ReadRole(*role, JoinPointer(place, "haptic.role"));
   for (const auto& [key, value] : extras->members()) {
     if (!key.starts_with("haptic.")) continue;
     read.present = true;
-    reader.ReadKey(std::string(key.substr(7)), value, Join(place, key));
+    reader.ReadKey(std::string(key.substr(7)), value, JoinPointer(place, key));
   }
   return read;
 }
@@ -314,17 +314,18 @@ double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& wa
     double radius_m = 0;
   };
   constexpr std::array kKeys = {base::NumberField<Tip>{"tip.radius", "m", 0, 0.01, base::Member<&Tip::radius_m>(), ""}};
-  const Json* extras = Find(scene, "extras");
-  const Json* haptic = extras ? Find(*extras, "haptic") : nullptr;
-  const Json* tip = haptic ? Find(*haptic, "tip") : nullptr;
-  const Json* radius = tip ? Find(*tip, "radius") : (extras ? Find(*extras, "haptic.tip.radius") : nullptr);
+  const Json* extras = FindMember(scene, "extras");
+  const Json* haptic = extras ? FindMember(*extras, "haptic") : nullptr;
+  const Json* tip = haptic ? FindMember(*haptic, "tip") : nullptr;
+  const Json* radius = tip ? FindMember(*tip, "radius") : (extras ? FindMember(*extras, "haptic.tip.radius") : nullptr);
   if (!radius) return 0;
   HapticTag unused;
   Values<Tip> values;
-  const std::string place = Join(pointer, "extras");
+  const std::string place = JoinPointer(pointer, "extras");
   TagReader(unused, warnings)
       .ReadNumber(kKeys, values, "tip.radius", *radius,
-                  tip ? Join(Join(Join(place, "haptic"), "tip"), "radius") : Join(place, "haptic.tip.radius"));
+                  tip ? JoinPointer(JoinPointer(JoinPointer(place, "haptic"), "tip"), "radius")
+                      : JoinPointer(place, "haptic.tip.radius"));
   return Filled(kKeys, values).radius_m;
 }
 

@@ -24,13 +24,14 @@ std::array<double, 6> TransformOf(const Json& info, const std::string& pointer, 
   std::array<double, 6> affine{1, 0, 0, 0, 1, 0};
   const Json* extensions = FindObject(info, pointer, "extensions");
   const Json* transform =
-      extensions ? FindObject(*extensions, Join(pointer, "extensions"), "KHR_texture_transform") : nullptr;
+      extensions ? FindObject(*extensions, JoinPointer(pointer, "extensions"), "KHR_texture_transform") : nullptr;
   if (!transform) return affine;
-  const std::string place = Join(Join(pointer, "extensions"), "KHR_texture_transform");
-  const auto offset = Numbers(*transform, place, "offset", 2), scale = Numbers(*transform, place, "scale", 2);
-  const Json* angle = Find(*transform, "rotation");
+  const std::string place = JoinPointer(JoinPointer(pointer, "extensions"), "KHR_texture_transform");
+  const auto offset = ReadNumberArray(*transform, place, "offset", 2),
+             scale = ReadNumberArray(*transform, place, "scale", 2);
+  const Json* angle = FindMember(*transform, "rotation");
   if (angle && !(std::abs(angle->number()) <= 1e6))
-    throw LoadError(Join(place, "rotation"), "is " + Shown(*angle) + ", must be an angle in radians");
+    throw LoadError(JoinPointer(place, "rotation"), "is " + ValueText(*angle) + ", must be an angle in radians");
   const double turn = angle ? angle->number() : 0;
   const double sx = scale.empty() ? 1 : scale[0], sy = scale.empty() ? 1 : scale[1];
   affine = {std::cos(turn) * sx,  std::sin(turn) * sy, offset.empty() ? 0 : offset[0],
@@ -38,12 +39,12 @@ std::array<double, 6> TransformOf(const Json& info, const std::string& pointer, 
   for (const double x : affine) {
     if (!(std::abs(x) <= 1e6)) throw LoadError(place, "scales or moves by more than a million");
   }
-  uv_set = Whole(*transform, place, "texCoord", 1000, uv_set);
+  uv_set = ReadInteger(*transform, place, "texCoord", 1000, uv_set);
   return affine;
 }
 
 haptics::Wrap WrapOf(const Json& sampler, const std::string& pointer, const char* key) {
-  switch (Whole(sampler, pointer, key, 1 << 16, 10497)) {
+  switch (ReadInteger(sampler, pointer, key, 1 << 16, 10497)) {
     case 33071:
       return haptics::Wrap::kClamp;
     case 33648:
@@ -51,30 +52,31 @@ haptics::Wrap WrapOf(const Json& sampler, const std::string& pointer, const char
     case 10497:
       return haptics::Wrap::kRepeat;
     default:
-      throw LoadError(Join(pointer, key), "must be 33071 (clamp), 33648 (mirror) or 10497 (repeat)");
+      throw LoadError(JoinPointer(pointer, key), "must be 33071 (clamp), 33648 (mirror) or 10497 (repeat)");
   }
 }
 
 TextureUse UseOf(const Json& root, const Json& info, const std::string& pointer) {
   TextureUse use;
   use.pointer = pointer;
-  const auto texture = Index(info, pointer, "index", CountOf(root, "textures"));
-  if (!texture) throw LoadError(Join(pointer, "index"), "is missing");
-  std::uint64_t uv_set = Whole(info, pointer, "texCoord", 1000, 0);
+  const auto texture = ReadIndex(info, pointer, "index", CountOf(root, "textures"));
+  if (!texture) throw LoadError(JoinPointer(pointer, "index"), "is missing");
+  std::uint64_t uv_set = ReadInteger(info, pointer, "texCoord", 1000, 0);
   use.to_image = TransformOf(info, pointer, uv_set);
   if (uv_set >= haptics::kMaxUvSets) {
-    throw LoadError(Join(pointer, "texCoord"), "is " + std::to_string(uv_set) + ", only TEXCOORD_0 and _1 are read");
+    throw LoadError(JoinPointer(pointer, "texCoord"),
+                    "is " + std::to_string(uv_set) + ", only TEXCOORD_0 and _1 are read");
   }
   use.uv_set = static_cast<std::uint32_t>(uv_set);
   const Json& json = ElementOf(root, "textures", *texture);
-  const std::string place = Join("/textures", *texture);
-  const auto source = Index(json, place, "source", CountOf(root, "images"));
+  const std::string place = JoinPointer("/textures", *texture);
+  const auto source = ReadIndex(json, place, "source", CountOf(root, "images"));
   if (!source) throw LoadError(place, "has no source that is PNG or JPEG");
   use.image = *source;
-  if (const auto sampler = Index(json, place, "sampler", CountOf(root, "samplers"))) {
+  if (const auto sampler = ReadIndex(json, place, "sampler", CountOf(root, "samplers"))) {
     const Json& wraps = ElementOf(root, "samplers", *sampler);
-    use.wrap_u = WrapOf(wraps, Join("/samplers", *sampler), "wrapS");
-    use.wrap_v = WrapOf(wraps, Join("/samplers", *sampler), "wrapT");
+    use.wrap_u = WrapOf(wraps, JoinPointer("/samplers", *sampler), "wrapS");
+    use.wrap_v = WrapOf(wraps, JoinPointer("/samplers", *sampler), "wrapT");
   }
   return use;
 }
@@ -122,16 +124,16 @@ std::optional<TextureUse> ReadTextureUse(const Json& root, const Json& list, con
   // The standard has a list; a single entry is what a person writes.
   const std::span<const Json> entries = list.is_array() ? list.elements() : std::span(&list, 1);
   for (std::size_t i = 0; i < std::min(entries.size(), kMaxEntries); ++i) {
-    const std::string place = list.is_array() ? Join(pointer, i) : pointer;
+    const std::string place = list.is_array() ? JoinPointer(pointer, i) : pointer;
     try {
       const std::string type = FindString(entries[i], place, "type", kTypes[0]);
       const auto row = std::find(std::begin(kTypes), std::end(kTypes), type);
-      if (row == std::end(kTypes)) throw LoadError(Join(place, "type"), "is " + type + ": not rendered");
+      if (row == std::end(kTypes)) throw LoadError(JoinPointer(place, "type"), "is " + type + ": not rendered");
       const Json* info = FindObject(entries[i], place, "texture");
-      if (!info) throw LoadError(Join(place, "texture"), "is missing");
+      if (!info) throw LoadError(JoinPointer(place, "texture"), "is missing");
       const auto rank = static_cast<std::size_t>(row - std::begin(kTypes));
       if (rank >= best_type) continue;
-      best = UseOf(root, *info, Join(place, "texture"));
+      best = UseOf(root, *info, JoinPointer(place, "texture"));
       best_type = rank;
     } catch (const LoadError& error) {
       warnings.Add(place, std::string("is not used: ") + error.what());
@@ -153,7 +155,7 @@ void TextureReader::Read(const TextureUse& use) {
                                           " images: 1 is used everywhere");
   Image& image = images_.emplace_back();
   image.number = use.image;
-  image.pointer = Join("/images", use.image);
+  image.pointer = JoinPointer("/images", use.image);
   try {
     if (stored_bytes_ <= file_.stored_bytes()) {
       image.stored = file_.ReadImage(use.image, kMaxImageBytes);

@@ -48,7 +48,7 @@ double CoilBank::Coast(std::size_t k, double against_V, double dt_s) noexcept {
   return mean_A * runs_s / dt_s;
 }
 
-void CoilBank::Heat(double dt_s, const CoilArray& extra_W) noexcept {
+void CoilBank::StepHeat(double dt_s, const CoilArray& extra_W) noexcept {
   double into_body_W = -thermal_.body_to_air_W_K * (body_C_ - thermal_.air_C);
   for (std::size_t k = 0; k < copper_C_.size(); ++k) {
     const double flow_W = thermal_.copper_to_body_W_K * (copper_C_[k] - body_C_);

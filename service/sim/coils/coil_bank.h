@@ -34,13 +34,13 @@ class CoilBank {
   double Coast(std::size_t k, double against_V, double dt_s) noexcept;
 
   // An ideal current source. For thermal simulations alone.
-  void Set(const CoilArray& current_A) noexcept { current_A_ = current_A; }
+  void SetCurrents(const CoilArray& current_A) noexcept { current_A_ = current_A; }
 
   // The wire is cut.
   void Break(std::size_t k) noexcept { current_A_[k] = 0; }
 
   // `extra_W`: put into each coil's copper by something else.
-  void Heat(double dt_s, const CoilArray& extra_W = {}) noexcept;
+  void StepHeat(double dt_s, const CoilArray& extra_W = {}) noexcept;
 
   const CoilArray& current_A() const noexcept { return current_A_; }
   const CoilArray& temperature_C() const noexcept { return copper_C_; }

@@ -138,7 +138,7 @@ Surroundings Environment::At(double t_s) const noexcept {
   return now;
 }
 
-Vec3 Environment::Mains(double t_s) const noexcept {
+Vec3 Environment::MainsField(double t_s) const noexcept {
   const base::RoomEffects& room = effects_.room;
   if (room.mains_T == 0) return {};
   const std::array<double, 3> share{1, room.mains_third, room.mains_fifth};

@@ -64,7 +64,7 @@ class Environment {
   // Without the core's memory and the mains. `t_s` since the start of the run.
   Surroundings At(double t_s) const noexcept;
   // Too fast for a tick: evaluate it at each sample's own instant.
-  Vec3 Mains(double t_s) const noexcept;
+  Vec3 MainsField(double t_s) const noexcept;
   // What is wrong with a sensor; null: nothing. The first fault that names it counts.
   const base::SensorFault* FaultOf(std::size_t sensor, double t_s) const noexcept;
 

@@ -52,12 +52,12 @@ double HallArray::Flicker_T(Sensor& sensor, std::size_t axis, Random& random) co
   return sum_T;
 }
 
-void HallArray::Repeat(std::size_t index, std::int64_t sample_ns) noexcept {
+void HallArray::RepeatSample(std::size_t index, std::int64_t sample_ns) noexcept {
   sensors_[index].fresh = true;
   sensors_[index].sampled_ns = sample_ns;
 }
 
-void HallArray::Sample(std::size_t index, std::int64_t sample_ns, const Vec3& reading_T, Random& random) noexcept {
+void HallArray::TakeSample(std::size_t index, std::int64_t sample_ns, const Vec3& reading_T, Random& random) noexcept {
   Sensor& sensor = sensors_[index];
   const std::array<double, 3> reading{reading_T.x, reading_T.y, reading_T.z};
   const double full_scale_T = full_scale_ * lsb_T_;

@@ -24,9 +24,9 @@ class HallArray {
   bool NextSample(std::size_t index, std::int64_t t_ns, std::int64_t& sample_ns) noexcept;
 
   // Takes that sample of the noise-free reading.
-  void Sample(std::size_t index, std::int64_t sample_ns, const Vec3& reading_T, Random& random) noexcept;
+  void TakeSample(std::size_t index, std::int64_t sample_ns, const Vec3& reading_T, Random& random) noexcept;
   // Repeats the sample before, marked as new.
-  void Repeat(std::size_t index, std::int64_t sample_ns) noexcept;
+  void RepeatSample(std::size_t index, std::int64_t sample_ns) noexcept;
 
   // What the chip's output registers hold, and when they were written.
   struct Registers {

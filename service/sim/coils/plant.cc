@@ -67,7 +67,7 @@ Plant::Plant(const base::DeviceGeometry& device, const PlantOptions& options)
       pen_(Pen(0)),
       sampler_(device, Effects(options), options.truth.sensor, truth_, pen_,
                options.environment_seed.value_or(~options.seed), options.start_ns, random_),
-      surroundings_(sampler_.Now(run_s_)),
+      surroundings_(sampler_.SurroundingsNow(run_s_)),
       clock_zero_ns_(options.start_ns),
       induction_(Effects(options).room.induction) {
   Random gains(~options.seed ^ 0x5EED);
@@ -88,13 +88,13 @@ void Plant::ResetClock() noexcept {
 const firmware::Inputs& Plant::Step(const firmware::Outputs& outputs) noexcept {
   const double t_s = static_cast<double>(now_ns()) * 1e-9;
   sampler_.Begin();
-  surroundings_ = sampler_.Now(run_s_ + std::max(t_s, 0.0));
+  surroundings_ = sampler_.SurroundingsNow(run_s_ + std::max(t_s, 0.0));
   Drive(outputs);
-  coils_.Heat(TickSampler::kSubStep_s, faults_.extra_heat_W);
+  coils_.StepHeat(TickSampler::kSubStep_s, faults_.extra_heat_W);
   MovePen(t_s);
   sampler_.Add({pen_.pose, pen_.present, coils_.current_A()}, surroundings_);
-  surroundings_ = sampler_.Now(run_s_ + std::max(t_s, 0.0));
-  sampler_.Sample(surroundings_, random_);
+  surroundings_ = sampler_.SurroundingsNow(run_s_ + std::max(t_s, 0.0));
+  sampler_.TakeSamples(surroundings_, random_);
   Report(outputs);
   return inputs_;
 }
@@ -106,7 +106,7 @@ void Plant::MovePen(double t_s) noexcept {
   if (motion_ == nullptr) {
     if (is_tick) {
       forces_ = hand_.present()
-                    ? truth_.ForcesAt(hand_.Predicted(t_s + 0.5 * base::kTickPeriod_s), surroundings_.steel_mask)
+                    ? truth_.ForcesAt(hand_.PredictedPose(t_s + 0.5 * base::kTickPeriod_s), surroundings_.steel_mask)
                     : ForceMap{};
     }
     hand_.Step(t_s, TickSampler::kSubStep_s, forces_.Force(coils_.current_A(), surroundings_));

@@ -114,7 +114,7 @@ class Plant {
   const firmware::Inputs& inputs() const noexcept { return inputs_; }
 
   // Precondition: options.led.
-  void Aim(const HandAim& aim) noexcept { hand_.Aim(aim); }
+  void SetAim(const HandAim& aim) noexcept { hand_.SetAim(aim); }
 
   // The controller was reset: its clock starts again. Everything else goes on.
   void ResetClock() noexcept;
@@ -127,7 +127,7 @@ class Plant {
   double supply_V() const noexcept { return rail_.voltage_V(); }
   const MagnetPose& pose() const noexcept { return pen_.pose; }
   // At an instant of the last control step.
-  CoilArray CurrentAt(std::int64_t t_ns) const noexcept { return sampler_.At(t_ns).current_A; }
+  CoilArray CurrentAt(std::int64_t t_ns) const noexcept { return sampler_.StateAt(t_ns).current_A; }
 
   TruthRow Truth(const HostView& host, std::int64_t clock_offset_ns) const noexcept;
 

@@ -83,7 +83,7 @@ MagnetFaces::MagnetFaces(const base::MagnetGeometry& magnet, int rings, int spok
   }
 }
 
-void MagnetFaces::Place(const MagnetPose& pose, Charges& charges) const noexcept {
+void MagnetFaces::PlaceCharges(const MagnetPose& pose, Charges& charges) const noexcept {
   const Vec3 e1 = Perpendicular(pose.axis_base);
   const Vec3 e2 = Cross(pose.axis_base, e1);
   const std::size_t count = x_.size();

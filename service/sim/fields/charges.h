@@ -47,7 +47,7 @@ class MagnetFaces {
 
   std::size_t charge_count() const noexcept { return 2 * x_.size(); }
   // `charges` has charge_count() entries.
-  void Place(const MagnetPose& pose, Charges& charges) const noexcept;
+  void PlaceCharges(const MagnetPose& pose, Charges& charges) const noexcept;
 
  private:
   std::vector<double> x_, y_, q_;

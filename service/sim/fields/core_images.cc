@@ -34,7 +34,7 @@ CoreImages::CoreImages(double core_radius_m, double core_kappa, const Vec3& cent
   weight_ = MatchMoments(moments);
 }
 
-void CoreImages::Place(const Charges& charges, Charges& images) const noexcept {
+void CoreImages::PlaceImages(const Charges& charges, Charges& images) const noexcept {
   const std::size_t count = charges.size();
   double centre = 0;
   for (std::size_t i = 0; i < count; ++i) {

@@ -24,7 +24,7 @@ class CoreImages {
   // How many images `sources` charges have.
   std::size_t image_count(std::size_t sources) const noexcept { return sources * (1 + node_count_) + 1; }
   // Precondition: all charges outside the core; `images` has image_count(charges.size()) entries.
-  void Place(const Charges& charges, Charges& images) const noexcept;
+  void PlaceImages(const Charges& charges, Charges& images) const noexcept;
 
  private:
   static constexpr std::size_t kNodes = 3;

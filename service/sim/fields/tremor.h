@@ -28,7 +28,7 @@ class Tremor {
     }
   }
 
-  void Add(double t_s, Vec3& position_m, Vec3& velocity_m_s) const noexcept {
+  void AddTo(double t_s, Vec3& position_m, Vec3& velocity_m_s) const noexcept {
     for (const Wave& wave : waves_) {
       const double phase = wave.rate_rad_s * t_s + wave.phase_rad;
       position_m += std::sin(phase) * wave.amplitude_m;

@@ -195,13 +195,13 @@ Vec3 TruthModel::SteelField(std::size_t index, bool present, const CoilArray& cu
 void TruthModel::PlaceTool(const MagnetPose& pose) noexcept {
   fine_.Place(pose);
   mirror_.Place(pose);
-  core_.Place(mirror_.charges, images_);
+  core_.PlaceImages(mirror_.charges, images_);
   if (!steel_.empty()) PlaceFar(pose);
 }
 
 void TruthModel::PlaceFar(const MagnetPose& pose) noexcept {
   far_.Place(pose);
-  core_.Place(far_.charges, far_images_);
+  core_.PlaceImages(far_.charges, far_images_);
 }
 
 // Columns of rows (I + dipole field of the core's answer a^3 kappa 1e7 B).
@@ -274,7 +274,7 @@ ForceMap TruthModel::ForcesAt(const MagnetPose& pose, std::uint32_t steel_mask) 
     }
   }
   coarse_.Place(pose);
-  core_.Place(coarse_.charges, coarse_images_);
+  core_.PlaceImages(coarse_.charges, coarse_images_);
   for (std::size_t i = 0; i < coarse_.charges.size(); ++i) {
     const Vec3 at = coarse_.charges.position(i);
     Accumulate(map.core, coarse_.charges, i, pose.centre_base_m, FieldOf(coarse_images_, at));

@@ -112,7 +112,7 @@ class TruthModel {
     MagnetFaces faces;
     Charges charges;
     Sampled(const base::MagnetGeometry& magnet, int rings, int spokes);
-    void Place(const MagnetPose& pose) noexcept { faces.Place(pose, charges); }
+    void Place(const MagnetPose& pose) noexcept { faces.PlaceCharges(pose, charges); }
   };
   Sampled fine_;    // its field at the sensors
   Sampled mirror_;  // what the core answers there

@@ -47,9 +47,9 @@ void HandPath::AddLeg(const HandWaypoint& from, const HandWaypoint& to, double d
 
 HandTarget HandPath::Start() const noexcept { return Still(0); }
 
-HandTarget HandPath::At(double t_s) const noexcept {
+HandTarget HandPath::TargetAt(double t_s) const noexcept {
   HandTarget target = Still(t_s);
-  tremor_.Add(t_s, target.centre_base_m, target.velocity_base_m_s);
+  tremor_.AddTo(t_s, target.centre_base_m, target.velocity_base_m_s);
   return target;
 }
 
@@ -89,10 +89,10 @@ Hand::Hand(const HandScript& script, const base::DeviceGeometry& device, Random&
 
 // At t + dt.
 HandTarget Hand::NextTarget(double t_s, double dt_s) noexcept {
-  if (!led_) return path_.At(t_s + dt_s);
+  if (!led_) return path_.TargetAt(t_s + dt_s);
   led_->Step(dt_s);
   HandTarget target = led_->Target();
-  path_.tremor().Add(t_s + dt_s, target.centre_base_m, target.velocity_base_m_s);
+  path_.tremor().AddTo(t_s + dt_s, target.centre_base_m, target.velocity_base_m_s);
   return target;
 }
 
@@ -124,8 +124,8 @@ void Hand::KeepOutOfHull() noexcept {
   if (inward < 0) velocity_ += -inward * gap.normal_base;
 }
 
-MagnetPose Hand::Predicted(double t_s) const noexcept {
-  const Vec3 axis_base = led_ ? pose_.axis_base : path_.At(t_s).axis_base;
+MagnetPose Hand::PredictedPose(double t_s) const noexcept {
+  const Vec3 axis_base = led_ ? pose_.axis_base : path_.TargetAt(t_s).axis_base;
   MagnetPose pose{pose_.centre_base_m + (t_s - t_s_) * velocity_, axis_base};
   const Gap gap = GapToHull(magnet_, hull_radius_m_, pose);
   if (gap.gap_m < 0) pose.centre_base_m += -gap.gap_m * gap.normal_base;

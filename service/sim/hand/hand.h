@@ -20,7 +20,7 @@ class HandPath {
  public:
   HandPath(const HandScript& script, double tip_offset_m, Random& random);
 
-  HandTarget At(double t_s) const noexcept;
+  HandTarget TargetAt(double t_s) const noexcept;
   HandTarget Start() const noexcept;  // the first waypoint, without tremor
   const Tremor& tremor() const noexcept { return tremor_; }
 
@@ -49,13 +49,13 @@ class Hand {
   Hand(const HandScript& script, const base::DeviceGeometry& device, Random& random, bool led = false);
 
   // Precondition: led.
-  void Aim(const HandAim& aim) noexcept { led_->Aim(aim); }
+  void SetAim(const HandAim& aim) noexcept { led_->SetAim(aim); }
 
   // The next sub-step [t, t + dt] under `force_N` on the pen.
   void Step(double t_s, double dt_s, const Vec3& force_N) noexcept;
 
   // The pose expected at `t_s` if nothing but inertia acts until then.
-  MagnetPose Predicted(double t_s) const noexcept;
+  MagnetPose PredictedPose(double t_s) const noexcept;
 
   const MagnetPose& pose() const noexcept { return pose_; }
   const base::MagnetGeometry& magnet() const noexcept { return magnet_; }

@@ -39,7 +39,7 @@ class LedPath {
   // A pen that was away comes down to its aim from kEnterFrom_m above, where the base does not feel it; gently, so that
   // it does not swing past an aim that is just above a surface.
   static constexpr double kEnterFrom_m = 0.15;
-  void Aim(const HandAim& aim) noexcept;
+  void SetAim(const HandAim& aim) noexcept;
   void Step(double dt_s) noexcept;
 
   HandTarget Target() const noexcept;

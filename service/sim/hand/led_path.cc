@@ -26,7 +26,7 @@ LedPath::LedPath(const HandTarget& start, double tip_offset_m) noexcept
   aim_ = {.tip_base_m = tip_m_, .axis_base = axis_, .present = start.present};
 }
 
-void LedPath::Aim(const HandAim& aim) noexcept {
+void LedPath::SetAim(const HandAim& aim) noexcept {
   if (aim.present && !aim_.present) {
     tip_m_ = aim.tip_base_m + Vec3{0, 0, kEnterFrom_m};
     velocity_m_s_ = axis_rate_1_s_ = {};

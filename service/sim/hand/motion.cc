@@ -109,19 +109,19 @@ std::array<double, 2> FreeMotion::Along(double t_s) const noexcept {
   return {a.s + x * (A + x * (B + x * C)), (A + x * (2 * B + x * 3 * C)) / kGrid_s};
 }
 
-FreeMotion::State FreeMotion::At(double t_s) const noexcept {
+FreeMotion::State FreeMotion::StateAt(double t_s) const noexcept {
   const auto [s, rate] = Along(t_s);
   State state;
   state.pose = PoseAt(s);
   state.velocity_base_m_s = (rate / (2 * kStep)) * (PoseAt(s + kStep).centre_base_m - PoseAt(s - kStep).centre_base_m);
-  tremor_.Add(t_s, state.pose.centre_base_m, state.velocity_base_m_s);
+  tremor_.AddTo(t_s, state.pose.centre_base_m, state.velocity_base_m_s);
   return state;
 }
 
 MagnetPose FreeMotion::Pose(double t_s) const noexcept {
   MagnetPose pose = PoseAt(Along(t_s)[0]);
   Vec3 velocity_m_s;
-  tremor_.Add(t_s, pose.centre_base_m, velocity_m_s);
+  tremor_.AddTo(t_s, pose.centre_base_m, velocity_m_s);
   return pose;
 }
 

@@ -30,8 +30,8 @@ class PenMotion {
     Vec3 velocity_base_m_s;  // of the magnet's centre
   };
   virtual ~PenMotion() = default;
-  virtual State At(double t_s) const noexcept = 0;  // t >= 0
-  virtual MagnetPose Pose(double t_s) const noexcept { return At(t_s).pose; }
+  virtual State StateAt(double t_s) const noexcept = 0;  // t >= 0
+  virtual MagnetPose Pose(double t_s) const noexcept { return StateAt(t_s).pose; }
 };
 
 class FreeMotion final : public PenMotion {
@@ -39,7 +39,7 @@ class FreeMotion final : public PenMotion {
   // Precondition: `duration_s` > 0; radius_max_m leaves room for the tilt above the hull.
   FreeMotion(const base::DeviceGeometry& device, const MotionOptions& options, double duration_s);
 
-  State At(double t_s) const noexcept override;  // 0 <= t <= duration
+  State StateAt(double t_s) const noexcept override;  // 0 <= t <= duration
   MagnetPose Pose(double t_s) const noexcept override;
 
  private:

@@ -42,7 +42,7 @@ bool Loopback::Write(const base::CoilCurrents& currents) noexcept {
 
 void Loopback::SendArm() noexcept {
   wire::Arm arm;
-  if (!arming_.Next(Now_ns(), arm)) return;
+  if (!arming_.NextToSend(Now_ns(), arm)) return;
   std::array<std::uint8_t, wire::FrameSize<wire::Arm>()> frame;
   const wire::Encoded encoded = wire::Encode(arm, arm_seq_++, 0, frame.data(), frame.size());
   core_.Receive(frame.data(), encoded.size);

@@ -25,7 +25,7 @@ class Loopback {
   bool Write(const base::CoilCurrents& currents) noexcept;
 
   // Precondition: options.led.
-  void Aim(const HandAim& aim) noexcept { core_.Aim(aim); }
+  void SetAim(const HandAim& aim) noexcept { core_.SetAim(aim); }
 
   const TwinCore& core() const noexcept { return core_; }
 

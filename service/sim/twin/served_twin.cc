@@ -72,7 +72,7 @@ class Server {
       WaitForTick();
       ReceiveFrames();
       HandAim aim;
-      if (guide_ != nullptr && guide_->Poll(aim)) core_.Aim(aim);
+      if (guide_ != nullptr && guide_->Poll(aim)) core_.SetAim(aim);
       core_.Tick();
       if (recording_) recording_->Add(core_.Truth());
       SendFrames();

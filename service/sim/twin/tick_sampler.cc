@@ -40,7 +40,7 @@ void TickSampler::Add(const Snapshot& state, const Surroundings& background) noe
   held_[++added_] = {state, memory_.moment_Am2()};
 }
 
-Surroundings TickSampler::Now(double run_s) noexcept {
+Surroundings TickSampler::SurroundingsNow(double run_s) noexcept {
   run_s_ = run_s;
   Surroundings now = environment_.At(run_s);
   now.core_moment_Am2 = memory_.moment_Am2();
@@ -66,7 +66,7 @@ TickSampler::Held TickSampler::Between(std::int64_t t_ns) const noexcept {
   return between;
 }
 
-Snapshot TickSampler::At(std::int64_t t_ns) const noexcept { return Between(t_ns).state; }
+Snapshot TickSampler::StateAt(std::int64_t t_ns) const noexcept { return Between(t_ns).state; }
 
 // A triangle seen at a random instant is evenly distributed over its height.
 CoilArray TickSampler::WithRipple(CoilArray current_A, Random& random) const noexcept {
@@ -80,14 +80,14 @@ CoilArray TickSampler::WithRipple(CoilArray current_A, Random& random) const noe
   return current_A;
 }
 
-void TickSampler::Sample(const Surroundings& background, Random& random) noexcept {
+void TickSampler::TakeSamples(const Surroundings& background, Random& random) noexcept {
   for (std::size_t i = 0; i < base::kSensorCount; ++i) {
     std::int64_t sample_ns = 0;
     if (!hall_.NextSample(i, now_ns_, sample_ns)) continue;
     const Held held = Between(sample_ns);
     Surroundings then = background;
     then.core_moment_Am2 = held.core_moment_Am2;
-    then.background_base_T += environment_.Mains(1e-9 * static_cast<double>(sample_ns));
+    then.background_base_T += environment_.MainsField(1e-9 * static_cast<double>(sample_ns));
     const CoilArray current_A = WithRipple(held.state.current_A, random);
     const auto reading = [&](std::size_t sensor) {
       return truth_.SensorField(sensor, PoseOf(held.state), current_A, then);
@@ -95,14 +95,14 @@ void TickSampler::Sample(const Surroundings& background, Random& random) noexcep
     const base::SensorFault* fault = environment_.FaultOf(i, run_s_);
     const auto is = [&](base::SensorFaultKind kind) { return fault != nullptr && fault->kind == kind; };
     if (is(base::SensorFaultKind::kStuck)) {
-      hall_.Repeat(i, sample_ns);
+      hall_.RepeatSample(i, sample_ns);
     } else if (is(base::SensorFaultKind::kHuge)) {
-      hall_.Sample(i, sample_ns, {fault->value, fault->value, fault->value}, random);
+      hall_.TakeSample(i, sample_ns, {fault->value, fault->value, fault->value}, random);
     } else if (is(base::SensorFaultKind::kSwapped)) {
       const int other = fault->sensor == static_cast<int>(i) ? fault->other : fault->sensor;
-      hall_.Sample(i, sample_ns, reading(static_cast<std::size_t>(other)), random);
+      hall_.TakeSample(i, sample_ns, reading(static_cast<std::size_t>(other)), random);
     } else if (!is(base::SensorFaultKind::kStopped)) {
-      hall_.Sample(i, sample_ns, (is(base::SensorFaultKind::kGain) ? fault->value : 1) * reading(i), random);
+      hall_.TakeSample(i, sample_ns, (is(base::SensorFaultKind::kGain) ? fault->value : 1) * reading(i), random);
     }
   }
 }

@@ -31,13 +31,13 @@ class TickSampler {
   // A tick: Begin, kSubSteps times Add, Sample. Fewer Adds make a shorter one.
   void Begin() noexcept;
   void Add(const Snapshot& state, const Surroundings& background) noexcept;
-  void Sample(const Surroundings& background, Random& random) noexcept;
+  void TakeSamples(const Surroundings& background, Random& random) noexcept;
 
   // Background and temperatures, with the core's memory as it is now. The run's time is kept for faults of sensors.
-  Surroundings Now(double run_s) noexcept;
+  Surroundings SurroundingsNow(double run_s) noexcept;
 
   // The state at an instant of the last tick, linear between sub-steps: at 2 m/s and 50 m/s^2 within a micrometre.
-  Snapshot At(std::int64_t t_ns) const noexcept;
+  Snapshot StateAt(std::int64_t t_ns) const noexcept;
 
   HallArray& hall() noexcept { return hall_; }
   const HallArray& hall() const noexcept { return hall_; }

@@ -32,7 +32,7 @@ class TwinCore {
   std::size_t NextFrame(std::uint8_t* frame, std::size_t capacity) noexcept;
 
   // Precondition: options.led.
-  void Aim(const HandAim& aim) noexcept { plant_.Aim(aim); }
+  void SetAim(const HandAim& aim) noexcept { plant_.SetAim(aim); }
 
   // Shifts device time from now on (a suspended machine): the core sees its clock jump.
   void MoveClock(std::int64_t by_ns) noexcept { clock_offset_ns_ += by_ns; }

@@ -28,7 +28,7 @@ class VirtualTwin final : public device::Transport {
   device::ReadStatus Read(base::HallScan& scan, std::int64_t /*timeout_ns*/) noexcept override {
     if (base_.core().tick() >= ticks_) return device::ReadStatus::kEnd;
     HandAim aim;
-    if (guide_ != nullptr && guide_->Poll(aim)) base_.Aim(aim);
+    if (guide_ != nullptr && guide_->Poll(aim)) base_.SetAim(aim);
     base_.Tick(scan);
     if (recording_) recording_->Add(base_.core().Truth());
     ++counters_.received;

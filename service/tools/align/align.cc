@@ -23,11 +23,11 @@ namespace {
 constexpr const char* kAlign = "omni align";
 constexpr const char* kMethods[] = {"touch", "sweep", "fingertip", "nudge"};
 constexpr double kFair_m = 4e-3;
-constexpr const char* kPlacements[] = {"front-of-user", "calibrated", "off"};
+constexpr const char* kPolicies[] = {"front-of-user", "calibrated", "off"};
 
 struct AlignArguments {
   std::string method = "touch";
-  std::string socket, marks, placement;
+  std::string socket, marks, policy;
   bool as_json = false, show = false, forget = false, restore = false, tilted = false;
   bool check = false, correct = false;
   int number = 0;
@@ -62,19 +62,19 @@ int NudgeStored(client::Connection& connection, const nlohmann::json& status, in
   Nudge nudge(chosen->base_space);
   const RawKeys keys;
   for (char byte = 0; ::read(STDIN_FILENO, &byte, 1) == 1;) {
-    const Nudge::Does does = nudge.Key(byte);
+    const Nudge::Does does = nudge.HandleKey(byte);
     if (does == Nudge::Does::kDone) break;
     if (does == Nudge::Does::kNothing) continue;
     alignment::Outcome outcome;
-    outcome.base_space = nudge.placement();
+    outcome.base_space = nudge.base_pose();
     outcome.samples = chosen->samples;
     outcome.rms_m = chosen->rms_m;
     connection.Poll(base::MonotonicNow_ns());
     const auto stored = RequestBasePose(connection, StoreCommand(chosen->headset, outcome, "nudge"));
     if (!stored.ok()) return Fail(kAlign, stored.error());
     std::printf("moved        %.1f mm and %.1f deg from where it was\n",
-                1e3 * alignment::Distance_m(nudge.placement(), chosen->base_space, {}),
-                57.29577951308232 * alignment::Angle_rad(nudge.placement(), chosen->base_space));
+                1e3 * alignment::Distance_m(nudge.base_pose(), chosen->base_space, {}),
+                57.29577951308232 * alignment::Angle_rad(nudge.base_pose(), chosen->base_space));
     std::fflush(stdout);
   }
   return kExitOk;
@@ -106,11 +106,11 @@ int RestoreStored(client::Connection& connection, const nlohmann::json& status, 
   return kExitOk;
 }
 
-int SetPolicy(client::Connection& connection, const std::string& placement) {
+int SetPolicy(client::Connection& connection, const std::string& policy) {
   protocol::BasePoseCommand command;
   command.action = protocol::BasePoseAction::kPolicy;
-  for (std::size_t i = 0; i < std::size(kPlacements); ++i) {
-    if (placement == kPlacements[i]) command.uncalibrated = static_cast<protocol::Uncalibrated>(i);
+  for (std::size_t i = 0; i < std::size(kPolicies); ++i) {
+    if (policy == kPolicies[i]) command.uncalibrated = static_cast<protocol::Uncalibrated>(i);
   }
   const auto done = RequestBasePose(connection, command);
   if (!done.ok()) return Fail(kAlign, done.error());
@@ -168,7 +168,7 @@ int CheckStored(client::Connection& connection, const nlohmann::json& status, Al
 int Align(const AlignArguments& arguments) {
   auto connection = ConnectToService(arguments.socket, protocol::ClientRole::kTool);
   if (!connection.ok()) return FailWith(arguments.as_json, kAlign, connection.error(), kExitNoService);
-  if (!arguments.placement.empty()) return SetPolicy(**connection, arguments.placement);
+  if (!arguments.policy.empty()) return SetPolicy(**connection, arguments.policy);
   const bool stored =
       arguments.check || arguments.show || arguments.forget || arguments.restore || arguments.method == "nudge";
   if (!stored) return Measure(**connection, arguments);
@@ -205,9 +205,9 @@ void AddAlign(Command& app) {
   align.Add("--correct", arguments->correct, "--check: move the stored alignment to where it was touched").Needs(check);
   align.Add("--restore", arguments->restore, "restore an alignment as measured, before any recentring");
   align
-      .Add("--placement", arguments->placement,
+      .Add("--placement", arguments->policy,
            "what the pen does without an alignment: front-of-user (a guess), calibrated (no pose), off")
-      .OneOf({std::begin(kPlacements), std::end(kPlacements)});
+      .OneOf({std::begin(kPolicies), std::end(kPolicies)});
   align.Add("--number", arguments->number, "as in --show; for nudge, --forget and --restore").Range(1, 64);
   align.Add("--hand", arguments->run.hand, "which controller").OneOf({"auto", "left", "right"}).ShowDefault();
   align.Add("--tilted", arguments->tilted, "the base is not level");
@@ -221,7 +221,7 @@ void AddAlign(Command& app) {
   align.Add("--probe", arguments->run.probe,
             "the program that reads poses from the OpenXR runtime (default: omni_align_probe)");
   AddSocket(align, arguments->socket);
-  align.Run(arguments, Align);
+  align.SetAction(arguments, Align);
 }
 
 }  // namespace omni::tools

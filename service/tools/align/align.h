@@ -22,7 +22,7 @@
 
 namespace omni::tools {
 
-// The guided part of `omni align`: poses of a controller and the pen in, steps out, and at the end a placement. Reads
+// The guided part of `omni align`: poses of a controller and the pen in, steps out, and at the end a base pose. Reads
 // no clock and prints nothing, so that tests and benchmarks can run it in virtual time.
 
 // kCheck: one touch, of the first mark; nothing is measured but that point.
@@ -126,7 +126,7 @@ class AlignProbe {
   AlignProbe& operator=(const AlignProbe&) = delete;
 
   // The next line, waited for `timeout_ms` at most. After the child has exited: always kEnd.
-  std::optional<ProbeLine> Next(int timeout_ms);
+  std::optional<ProbeLine> NextLine(int timeout_ms);
 
  private:
   AlignProbe() = default;
@@ -161,7 +161,7 @@ struct StoredAlignment {
 };
 // Of this headset in this space.
 base::Result<StoredAlignment> AlignmentOf(const nlohmann::json& status, const Headset& headset);
-// The stored placement moved so that its mark is where it was touched; its orientation is kept.
+// The stored base pose moved so that its mark is where it was touched; its orientation is kept.
 alignment::Rigid BaseAsTouched(const alignment::Rigid& stored, const base::Vec3& mark_base_m,
                                const base::Vec3& touched_space_m);
 // `number` 0: the one of a connected application's headset, else the only one. Without any: the headset of a connected
@@ -183,20 +183,20 @@ struct Aligned {
   base::Vec3 mark_space_m;  // of AlignMethod::kCheck
 };
 
-// Prints steps and progress. Ends with a placement, a refusal, the end of patience or of the runtime's session, or a
+// Prints steps and progress. Ends with a base pose, a refusal, the end of patience or of the runtime's session, or a
 // signal.
 base::Result<Aligned> RunAlignment(client::Connection& connection, const AlignRunOptions& options);
 
-// `omni align nudge`: keys shift and turn the stored placement while an application shows the pen.
+// `omni align nudge`: keys shift and turn the stored base pose while an application shows the pen.
 
-// The placement as changed by the keys so far.
+// The base pose as changed by the keys so far.
 class Nudge {
  public:
   explicit Nudge(const alignment::Rigid& start) : start_(start), now_(start) {}
   enum class Does { kNothing, kMoved, kDone };
   // Bytes of a terminal: arrows and Page Up/Down in their usual sequences, and letters.
-  Does Key(char byte);
-  const alignment::Rigid& placement() const { return now_; }
+  Does HandleKey(char byte);
+  const alignment::Rigid& base_pose() const { return now_; }
   double step_m() const { return step_m_; }
 
  private:
@@ -210,7 +210,7 @@ class Nudge {
 
 // Instruction for the current step, one line.
 std::string AlignStepText(const AlignSession& session);
-// The placement and its accuracy.
+// The base pose and its accuracy.
 std::string AlignOutcomeText(const AlignOptions& options, const alignment::Outcome& outcome);
 // "excellent", "good", "fair" or "poor", by the expected error.
 std::string AlignQualityWord(double expected_error_m);

@@ -33,12 +33,12 @@ Nudge::Does Nudge::Act(char action) {
                                   [action](const KeyAction& row) { return row.key == action; });
   if (found == std::end(kActions)) return Does::kNothing;
   const base::Vec3 step{step_m_ * found->right, step_m_ * found->away, step_m_ * found->up};
-  const base::Vec3 shift = alignment::Apply({.orientation = now_.orientation, .position_m = {}}, step);
-  now_ = alignment::Nudged(now_, kTurnPerStep_rad_m * step_m_ * found->turn, shift);
+  const base::Vec3 shift = alignment::TransformPoint({.orientation = now_.orientation, .position_m = {}}, step);
+  now_ = alignment::NudgedPose(now_, kTurnPerStep_rad_m * step_m_ * found->turn, shift);
   return Does::kMoved;
 }
 
-Nudge::Does Nudge::Key(char byte) {
+Nudge::Does Nudge::HandleKey(char byte) {
   if (escape_ == 1) {
     escape_ = byte == '[' ? 2 : 0;
     if (escape_ == 2) return Does::kNothing;

@@ -144,7 +144,7 @@ AlignProbe::~AlignProbe() {
   ::waitpid(pid_, nullptr, 0);
 }
 
-std::optional<ProbeLine> AlignProbe::Next(int timeout_ms) {
+std::optional<ProbeLine> AlignProbe::NextLine(int timeout_ms) {
   const std::int64_t deadline_ns = base::MonotonicNow_ns() + std::int64_t{timeout_ms} * 1'000'000;
   for (;;) {
     for (std::size_t end; (end = buffer_.find('\n')) != std::string::npos;) {

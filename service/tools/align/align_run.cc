@@ -24,7 +24,7 @@ constexpr std::size_t kMaxWaiting = 4096;
 
 std::optional<PenSeen> PenAtTime(const client::StateReader& reader, std::int64_t t_ns) {
   protocol::ToolSample before, after;
-  if (!reader.Around(t_ns, before, after)) return std::nullopt;
+  if (!reader.ReadAround(t_ns, before, after)) return std::nullopt;
   const bool tracked = (before.flags & after.flags & protocol::kToolTracked) != 0;
   if (!tracked || after.t_ns - before.t_ns > kPenGap_ns || t_ns - before.t_ns > kPenGap_ns || t_ns < before.t_ns) {
     return std::nullopt;
@@ -121,7 +121,7 @@ base::Result<Aligned> RunAlignment(client::Connection& connection, const AlignRu
   const std::int64_t deadline_ns = base::MonotonicNow_ns() + static_cast<std::int64_t>(options.patience_s * 1e9);
   while (!EndSignals::asked()) {
     connection.Poll(base::MonotonicNow_ns());
-    const std::optional<ProbeLine> line = (*probe)->Next(10);
+    const std::optional<ProbeLine> line = (*probe)->NextLine(10);
     if (line && line->says == ProbeSays::kEnd) return base::Error{"the OpenXR session ended: " + line->text};
     if (line && line->says == ProbeSays::kRuntime) aligned.headset.runtime = line->text;
     if (line && line->says == ProbeSays::kSystem) aligned.headset.system = line->text;

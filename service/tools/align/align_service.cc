@@ -94,7 +94,7 @@ base::Result<StoredAlignment> AlignmentOf(const nlohmann::json& status, const He
 alignment::Rigid BaseAsTouched(const alignment::Rigid& stored, const base::Vec3& mark_base_m,
                                const base::Vec3& touched_space_m) {
   alignment::Rigid moved = stored;
-  moved.position_m = stored.position_m + (touched_space_m - alignment::Apply(stored, mark_base_m));
+  moved.position_m = stored.position_m + (touched_space_m - alignment::TransformPoint(stored, mark_base_m));
   return moved;
 }
 

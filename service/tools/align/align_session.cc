@@ -127,14 +127,14 @@ void AlignSession::AddPivot() {
   }
   // Mark 1 as one touch: a pose that puts the tip where the swing found it.
   const Rigid& mean = poses.back();
-  const base::Vec3 tip = alignment::Apply(mean, pivot_.tip_controller_m);
+  const base::Vec3 tip = alignment::TransformPoint(mean, pivot_.tip_controller_m);
   const base::Vec3& c = pivot_.centre_space_m;
   const Rigid at{.orientation = mean.orientation,
                  .position_m = {mean.position_m.x + c.x - tip.x, mean.position_m.y + c.y - tip.y,
                                 mean.position_m.z + c.z - tip.z}};
   samples_.push_back(
       {.t_s = now_s, .controller_space = at, .point_base_m = options_.marks[0].position_base_m, .group = 0});
-  dwell_.Settle(c);
+  dwell_.MarkTouched(c);
   touched_ = 1;
   step_ = AlignStep::kTouch;
 }
@@ -149,7 +149,7 @@ std::vector<AlignSession::Posed> AlignSession::Dwelt() const {
 
 void AlignSession::AddTouch() {
   const Posed& now = recent_.back();
-  if (!dwell_.Add(now.t_s, alignment::Apply(now.pose, pivot_.tip_controller_m))) return;
+  if (!dwell_.Add(now.t_s, alignment::TransformPoint(now.pose, pivot_.tip_controller_m))) return;
   std::vector<Rigid> poses;
   for (const Posed& posed : Dwelt()) poses.push_back(posed.pose);
   samples_.push_back({.t_s = now.t_s,
@@ -180,7 +180,7 @@ void AlignSession::AddSweep() {
   hint_.clear();
   if (span_s < kSweepLeast_s || now.t_s < next_try_s_ + 2 * kTryEvery_s) return;
   next_try_s_ = now.t_s;
-  auto outcome = alignment::Fit(samples_, PriorOf(options_.method, options_.level), LimitsOf(options_.method));
+  auto outcome = alignment::FitBasePose(samples_, PriorOf(options_.method, options_.level), LimitsOf(options_.method));
   const bool last = span_s >= options_.sweep_s_max;
   if (!outcome.ok()) {
     hint_ = outcome.error();

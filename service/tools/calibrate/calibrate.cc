@@ -243,7 +243,7 @@ Change<TipSession> TipChange(double drawn_m, std::uint64_t twin_seed) {
 
 int Calibrate(const Arguments& arguments) {
   if (const std::string problem = daemon::TwinChoiceProblem(arguments.run); !problem.empty()) {
-    return Refuse(kCalibrate, problem);
+    return FailUsage(kCalibrate, problem);
   }
   base::DeviceGeometry device = config::DefaultDevice();
   if (!arguments.run.device_file.empty()) {
@@ -291,7 +291,7 @@ void AddCalibrate(Command& app) {
       .Excludes(zero);
   calibrate.Add("--wave-seconds", arguments->session.wave_s, "how long to wave the pen").Range(3.0, 60.0).ShowDefault();
   calibrate.Add("--touches", arguments->session.touches, "how many places to touch").Range(20, 150).ShowDefault();
-  calibrate.Run(arguments, Calibrate);
+  calibrate.SetAction(arguments, Calibrate);
 }
 
 }  // namespace omni::tools

@@ -95,7 +95,7 @@ void CalibrationSession::FinishSweep() {
 
 // In reach, or not found.
 calibration::ColdPose CalibrationSession::RoughPose(const calibration::Sample& sample) const {
-  calibration::ColdPose pose = cold_->Find(sample);
+  calibration::ColdPose pose = cold_->FindPose(sample);
   pose.found = pose.found && pose.position_base_m.norm() <= kReach_m;
   return pose;
 }

@@ -8,11 +8,11 @@ namespace {
 
 // Commands that moved to omni-bench.
 void AddMoved(Command& app, const std::string& name, const std::string& now) {
-  app.AddHidden(name).Run([name, now] {
-    return Refuse("omni " + name,
-                  "moved to `" + now +
-                      "`, a separate program in the source tree: cmake -S tests/bench -B build/bench && " +
-                      "cmake --build build/bench --target omni-bench; build/bench/bin/" + now);
+  app.AddHidden(name).SetAction([name, now] {
+    return FailUsage("omni " + name,
+                     "moved to `" + now +
+                         "`, a separate program in the source tree: cmake -S tests/bench -B build/bench && " +
+                         "cmake --build build/bench --target omni-bench; build/bench/bin/" + now);
   });
 }
 

@@ -30,7 +30,7 @@ namespace omni::tools {
 
 using enum console::ExitStatus;
 using console::Fail;
-using console::Refuse;
+using console::FailUsage;
 
 inline constexpr const char* kOmniAbout = "omni: inspect and set up the Omni haptic base, its service and its scenes";
 

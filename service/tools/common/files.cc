@@ -77,10 +77,10 @@ base::Result<CsvTable> CsvTable::Read(const std::string& path) {
   return table;
 }
 
-std::string CsvTable::Missing(const std::vector<std::string>& wanted) const {
+std::string CsvTable::MissingColumns(const std::vector<std::string>& wanted) const {
   std::string missing;
   for (const std::string& column : wanted) {
-    if (!Has(column)) missing += (missing.empty() ? "" : ", ") + column;
+    if (!HasColumn(column)) missing += (missing.empty() ? "" : ", ") + column;
   }
   return missing;
 }

@@ -33,11 +33,11 @@ class CsvTable {
   static base::Result<CsvTable> Read(const std::string& path);
 
   std::size_t rows() const { return rows_; }
-  bool Has(const std::string& column) const { return columns_.count(column) != 0; }
-  // Precondition: Has(column).
+  bool HasColumn(const std::string& column) const { return columns_.count(column) != 0; }
+  // Precondition: HasColumn(column).
   const std::vector<double>& operator[](const std::string& column) const { return columns_.at(column); }
   // Names of `wanted` that are missing, joined; empty: all there.
-  std::string Missing(const std::vector<std::string>& wanted) const;
+  std::string MissingColumns(const std::vector<std::string>& wanted) const;
 
  private:
   std::map<std::string, std::vector<double>> columns_;

@@ -19,7 +19,7 @@ namespace omni::tools {
 void Print(const std::string& text);
 
 // printf into a string, for lines of tables. At most 255 characters; the rest is cut off.
-[[gnu::format(printf, 1, 2)]] inline std::string Printed(const char* format, ...) {
+[[gnu::format(printf, 1, 2)]] inline std::string Format(const char* format, ...) {
   char text[256];
   std::va_list arguments;
   va_start(arguments, format);
@@ -34,7 +34,7 @@ inline std::string Plural(std::size_t count, const std::string& what) {
 }
 
 // JSON as text for people, in which missing values and other types become "-", and JSON as output. Values themselves:
-// base/files/json_values.h.
+// base/files/json_document.h.
 
 using base::ArrayAt;
 using base::NumberAt;

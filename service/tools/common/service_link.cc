@@ -94,7 +94,7 @@ base::Result<nlohmann::json> FetchStatus(const std::string& socket_path) {
   if (!connection.ok()) return base::Error{connection.error()};
   base::Result<nlohmann::json> status = RequestStatus(**connection);
   protocol::ToolSample sample;
-  if (status.ok() && (*connection)->state() != nullptr && (*connection)->state()->Newest(sample)) {
+  if (status.ok() && (*connection)->state() != nullptr && (*connection)->state()->ReadNewest(sample)) {
     AddNewestSample(sample, base::MonotonicNow_ns(), *status);
   }
   return status;

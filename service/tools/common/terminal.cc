@@ -95,7 +95,7 @@ std::string ProgressBar(double progress, int width) {
   const double share = std::clamp(progress, 0.0, 1.0);
   const auto full = static_cast<std::size_t>(share * width);
   return "[" + std::string(full, '#') + std::string(static_cast<std::size_t>(width) - full, '.') +
-         Printed("] %3.0f %%", 100 * share);
+         Format("] %3.0f %%", 100 * share);
 }
 
 std::string TimeLeft::Text(double progress, double t_s) {
@@ -105,7 +105,7 @@ std::string TimeLeft::Text(double progress, double t_s) {
   if (elapsed_s < kEarly_s || progress < kEarly || progress >= 1) return {};
   const double left_s = elapsed_s * (1 - progress) / progress;
   const double step_s = left_s < 10 ? 1 : left_s < 60 ? 5 : 30;
-  return Printed(", about %.0f s left", std::max(1.0, std::ceil(left_s / step_s)) * step_s);
+  return Format(", about %.0f s left", std::max(1.0, std::ceil(left_s / step_s)) * step_s);
 }
 
 std::string TimeLeft::Text(double progress) { return Text(progress, Now_s()); }

@@ -18,7 +18,7 @@ constexpr const char* kServiceName = "omnid";   // as in /proc/PID/comm
 constexpr std::uint8_t kReasonCommandLine = 1;  // for the base's fault record
 
 base::Result<device::UsbBase> ChooseBase(device::UsbBus& bus, const std::string& serial) {
-  const base::Result<std::vector<device::UsbBase>> bases = bus.List();
+  const base::Result<std::vector<device::UsbBase>> bases = bus.ListBases();
   if (!bases.ok()) return base::Error{bases.error()};
   base::Result<device::UsbBase> chosen = device::ChooseUsbBase(*bases, serial);
   if (chosen.ok() && !chosen->problem.empty()) {
@@ -56,7 +56,7 @@ struct Output {
 
 int DeviceList(device::UsbBus& bus, bool as_json, std::ostream& out) {
   const Output output{"omni device list", as_json, out};
-  const base::Result<std::vector<device::UsbBase>> bases = bus.List();
+  const base::Result<std::vector<device::UsbBase>> bases = bus.ListBases();
   if (!bases.ok()) return output.Failed(bases.error());
   if (bases->empty()) return output.Failed("no Omni base on USB: connect it and switch its supply on");
   std::vector<ListedBase> listed;
@@ -127,7 +127,7 @@ int DeviceSelfTest(device::UsbBus& bus, const std::string& serial, const std::fu
 }
 
 int DeviceEstop(device::UsbBus& bus, const std::string& serial, std::ostream& out) {
-  const base::Result<std::vector<device::UsbBase>> bases = bus.List();
+  const base::Result<std::vector<device::UsbBase>> bases = bus.ListBases();
   if (!bases.ok()) return Fail("omni device estop", bases.error());
   int meant = 0;
   std::string problems;

@@ -71,9 +71,9 @@ void AddDevice(Command& app) {
     if (entry.takes_serial) action.Add("serial", arguments->serial, "of the base, if there are several");
     if (entry.asks) action.Add("-y,--yes", arguments->yes, "do not ask for confirmation");
     if (entry.prints_facts) action.Add("--json", arguments->as_json, "as JSON");
-    action.Run([&entry, arguments] { return RunAction(entry, *arguments); });
+    action.SetAction([&entry, arguments] { return RunAction(entry, *arguments); });
   }
-  device.AddCommand("flash-help", "how to put the firmware on a Teensy 4.0").Run([] {
+  device.AddCommand("flash-help", "how to put the firmware on a Teensy 4.0").SetAction([] {
     Print(FlashHelpText());
     return kExitOk;
   });

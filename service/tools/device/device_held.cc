@@ -26,7 +26,7 @@ std::string HeldFaults(const json& faults) {
   for (const json& fault : faults) {
     const std::string name = fault.is_string() ? protocol::Printable(fault.get<std::string>()) : fault.dump();
     names += (names.empty() ? "" : ", ") + name;
-    for (const wire::FaultText& row : wire::Faults()) {
+    for (const wire::FaultText& row : wire::FaultTexts()) {
       if (name == row.name) advice += HeldLine("", name + ": " + row.advice);
     }
   }

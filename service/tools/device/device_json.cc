@@ -44,7 +44,7 @@ ordered_json DeviceListJson(const std::vector<ListedBase>& bases) {
 
 ordered_json DeviceIdentityJson(const device::UsbBase& base, const wire::Hello& hello) {
   ordered_json capabilities = ordered_json::array();
-  for (const wire::Name& capability : wire::Capabilities()) {
+  for (const wire::Name& capability : wire::CapabilityNames()) {
     if ((hello.capabilities & capability.value) != 0) capabilities.push_back(capability.name);
   }
   return {{"serial", device::PrintableText(hello.serial, sizeof hello.serial)},
@@ -63,7 +63,7 @@ ordered_json DeviceIdentityJson(const device::UsbBase& base, const wire::Hello& 
 ordered_json DeviceLiveJson(const device::UsbProbe& probe) {
   const wire::Telemetry& now = probe.telemetry;
   ordered_json faults = ordered_json::array();
-  for (const wire::FaultText& fault : wire::Faults()) {
+  for (const wire::FaultText& fault : wire::FaultTexts()) {
     if ((now.faults & fault.fault) != 0) faults.push_back({{"name", fault.name}, {"advice", fault.advice}});
   }
   return {{"state", wire::StateName(now.state)},

@@ -16,7 +16,7 @@ namespace {
 constexpr double kTelemetryRate_Hz = 1000;
 constexpr double kTelemetryTolerance = 0.05;
 
-std::string Titled(const char* title, const std::string& text) { return Printed("%-12s ", title) + text + "\n"; }
+std::string Titled(const char* title, const std::string& text) { return Format("%-12s ", title) + text + "\n"; }
 
 // "24.1, 24.0, 23.9"
 template <class Count>
@@ -32,7 +32,7 @@ std::string ThreeCounts(const Count (&counts)[wire::kCoils], double unit, const 
 
 std::string CapabilityNames(std::uint32_t capabilities) {
   std::vector<std::string> names;
-  for (const wire::Name& capability : wire::Capabilities()) {
+  for (const wire::Name& capability : wire::CapabilityNames()) {
     if ((capabilities & capability.value) != 0) names.emplace_back(capability.name);
   }
   return names.empty() ? "none" : console::Joined(names, ", ");
@@ -40,7 +40,7 @@ std::string CapabilityNames(std::uint32_t capabilities) {
 
 std::string FaultNames(std::uint32_t faults) {
   std::vector<std::string> names;
-  for (const wire::FaultText& fault : wire::Faults()) {
+  for (const wire::FaultText& fault : wire::FaultTexts()) {
     if ((faults & fault.fault) != 0) names.emplace_back(fault.name);
   }
   return names.empty() ? "none" : console::Joined(names, ", ");
@@ -60,14 +60,14 @@ SelfTestRow JudgeRate(const device::UsbProbe& probe) {
   const double rate_Hz = static_cast<double>(probe.frames - 1 + probe.missed) / probe.listened_s;
   const bool steady = rate_Hz >= kTelemetryRate_Hz * (1 - kTelemetryTolerance) &&
                       rate_Hz <= kTelemetryRate_Hz * (1 + kTelemetryTolerance);
-  return {"telemetry", steady, Printed("%.0f per second by its own clock, %.0f expected", rate_Hz, kTelemetryRate_Hz)};
+  return {"telemetry", steady, Format("%.0f per second by its own clock, %.0f expected", rate_Hz, kTelemetryRate_Hz)};
 }
 
 SelfTestRow JudgeFrames(const device::UsbProbe& probe) {
   const bool whole = probe.frames > 0 && probe.missed == 0 && probe.bad_frames == 0;
   return {"frames", whole,
-          Printed("%llu received, %llu lost, %llu bad", static_cast<unsigned long long>(probe.frames),
-                  static_cast<unsigned long long>(probe.missed), static_cast<unsigned long long>(probe.bad_frames)) +
+          Format("%llu received, %llu lost, %llu bad", static_cast<unsigned long long>(probe.frames),
+                 static_cast<unsigned long long>(probe.missed), static_cast<unsigned long long>(probe.bad_frames)) +
               (whole ? "" : "; use another cable or port, without a hub")};
 }
 
@@ -81,7 +81,7 @@ SelfTestRow JudgeSensors(const device::UsbProbe& probe) {
   if (saturated != 0) {
     return {"Hall sensors", false, "saturated: " + SensorList(saturated) + "; take the pen and other magnets away"};
   }
-  return {"Hall sensors", true, Printed("all %d deliver samples, none is saturated", wire::kSensors)};
+  return {"Hall sensors", true, Format("all %d deliver samples, none is saturated", wire::kSensors)};
 }
 
 // Passed if none of `faults` is present.
@@ -100,15 +100,15 @@ SelfTestRow JudgeArming(const device::UsbProbe& probe) {
 
 }  // namespace
 
-std::string FirmwareText(std::uint16_t version) { return Printed("%d.%d", version >> 8, version & 0xFF); }
+std::string FirmwareText(std::uint16_t version) { return Format("%d.%d", version >> 8, version & 0xFF); }
 
 std::string DeviceListText(const std::vector<ListedBase>& bases) {
-  std::string text = Printed("%-17s %-8s %-12s %-9s %s\n", "serial", "port", "speed", "firmware", "held by");
+  std::string text = Format("%-17s %-8s %-12s %-9s %s\n", "serial", "port", "speed", "firmware", "held by");
   for (const ListedBase& listed : bases) {
     const device::UsbBase& base = listed.base;
     const std::string holders = device::HoldersText(listed.holders);
-    text += Printed("%-17s %-8s %-12s %-9s ", base.serial.empty() ? "-" : base.serial.c_str(), base.port.c_str(),
-                    base.speed.c_str(), listed.firmware.empty() ? "-" : listed.firmware.c_str());
+    text += Format("%-17s %-8s %-12s %-9s ", base.serial.empty() ? "-" : base.serial.c_str(), base.port.c_str(),
+                   base.speed.c_str(), listed.firmware.empty() ? "-" : listed.firmware.c_str());
     text += (holders.empty() ? "no program" : holders) + "\n";
     if (!base.problem.empty()) text += "  " + base.problem + "\n";
   }
@@ -119,27 +119,27 @@ std::string DeviceIdentityText(const device::UsbBase& base, const wire::Hello& h
   std::string text = Titled("base", device::PrintableText(hello.serial, sizeof hello.serial) + " at port " + base.port +
                                         ", " + base.speed + ", " + base.node);
   text += Titled("firmware",
-                 FirmwareText(hello.firmware_version) + Printed("; speaks protocol %d to %d, omni speaks %d",
-                                                                hello.version_min, hello.version_max, wire::kVersion));
-  text += Titled("limits", Printed("%.2f A per coil; a field count is %.2f nT, %u and more are saturated",
-                                   static_cast<double>(hello.current_max_A),
-                                   1e9 * static_cast<double>(hello.field_lsb_T), hello.field_full_scale));
+                 FirmwareText(hello.firmware_version) + Format("; speaks protocol %d to %d, omni speaks %d",
+                                                               hello.version_min, hello.version_max, wire::kVersion));
+  text += Titled("limits", Format("%.2f A per coil; a field count is %.2f nT, %u and more are saturated",
+                                  static_cast<double>(hello.current_max_A),
+                                  1e9 * static_cast<double>(hello.field_lsb_T), hello.field_full_scale));
   text += Titled("calibration", hello.calibration_hash == 0
                                     ? "counts are nominal"
-                                    : Printed("hash %016llx", static_cast<unsigned long long>(hello.calibration_hash)));
+                                    : Format("hash %016llx", static_cast<unsigned long long>(hello.calibration_hash)));
   return text + Titled("can", CapabilityNames(hello.capabilities));
 }
 
 std::string DeviceLiveText(const device::UsbProbe& probe) {
   const wire::Telemetry& now = probe.telemetry;
   std::string text = Titled("state", wire::StateName(now.state));
-  text += Titled("supply", Printed("%.2f V", now.supply * wire::kSupplyUnit_V));
+  text += Titled("supply", Format("%.2f V", now.supply * wire::kSupplyUnit_V));
   text += Titled("currents", ThreeCounts(now.current[wire::kStepsPerTick - 1], wire::kCurrentUnit_A, "%.3f") + " A");
   text += Titled("coils", ThreeCounts(now.temperature, wire::kTemperatureUnit_K, "%.1f") + " C, " +
                               ThreeCounts(now.resistance, 1e3 * kResistanceUnit_ohm, "%.1f") + " mohm");
-  text += Titled("board", Printed("%.1f C, fan %u rpm", now.board_temperature * wire::kTemperatureUnit_K, now.fan_rpm));
+  text += Titled("board", Format("%.1f C, fan %u rpm", now.board_temperature * wire::kTemperatureUnit_K, now.fan_rpm));
   text += Titled("faults", FaultNames(now.faults));
-  for (const wire::FaultText& fault : wire::Faults()) {
+  for (const wire::FaultText& fault : wire::FaultTexts()) {
     if ((now.faults & fault.fault) != 0) text += Titled("", std::string(fault.name) + ": " + fault.advice);
   }
   return text + Titled("kept fault", probe.kept_fault ? device::FaultEventText(*probe.kept_fault) : "none");
@@ -151,13 +151,13 @@ std::vector<SelfTestRow> JudgeSelfTest(const device::UsbProbe& probe) {
           JudgeFrames(probe),
           JudgeSensors(probe),
           JudgeFaults("supply", probe, wire::kFaultSupplyLow | wire::kFaultSupplyHigh,
-                      Printed("%.2f V", now.supply * wire::kSupplyUnit_V)),
+                      Format("%.2f V", now.supply * wire::kSupplyUnit_V)),
           JudgeFaults("coils", probe,
                       wire::kFaultCoilOpen | wire::kFaultCoilShort | wire::kFaultModel | wire::kFaultOverTemperature |
                           wire::kFaultOverCurrent | wire::kFaultDriver | wire::kFaultCurrentSensor,
                       ThreeCounts(now.temperature, wire::kTemperatureUnit_K, "%.1f") + " C, " +
                           ThreeCounts(now.resistance, 1e3 * kResistanceUnit_ohm, "%.1f") + " mohm"),
-          JudgeFaults("fan", probe, wire::kFaultFan, Printed("%u rpm", now.fan_rpm)),
+          JudgeFaults("fan", probe, wire::kFaultFan, Format("%u rpm", now.fan_rpm)),
           JudgeFaults("own test", probe, wire::kFaultSelfTest | wire::kFaultWatchdog | wire::kFaultInternal,
                       std::string("state ") + wire::StateName(now.state)),
           JudgeArming(probe)};
@@ -166,7 +166,7 @@ std::vector<SelfTestRow> JudgeSelfTest(const device::UsbProbe& probe) {
 std::string SelfTestText(const std::vector<SelfTestRow>& rows) {
   std::string text;
   for (const SelfTestRow& row : rows)
-    text += Printed("%-4s  ", row.passed ? "ok" : "FAIL") + Titled(row.name.c_str(), row.text);
+    text += Format("%-4s  ", row.passed ? "ok" : "FAIL") + Titled(row.name.c_str(), row.text);
   return text;
 }
 

@@ -70,7 +70,7 @@ void AddRecord(Command& app) {
       .Check("DEVICE", daemon::DeviceProblem)
       .ShowDefault();
   record.Add("--seconds", request->seconds, "how long (default: until Ctrl-C)").Range(0.001, 1e6);
-  record.Run(request, RecordBase);
+  record.SetAction(request, RecordBase);
 }
 
 }  // namespace omni::tools

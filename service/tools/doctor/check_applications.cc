@@ -35,12 +35,12 @@ Finding CheckApplications(const Surroundings& surroundings) {
 // request. [github.com/ValveSoftware/steam-runtime/issues/765: opt-in since 2026-02, experimental]
 Finding CheckSteam(const Surroundings& surroundings) {
   namespace fs = std::filesystem;
-  const std::string home = surroundings.Variable("HOME");
+  const std::string home = surroundings.EnvironmentVariable("HOME");
   std::error_code error;
   const bool steam = !home.empty() && (fs::exists(fs::path(home) / ".steam", error) ||
                                        fs::exists(fs::path(home) / ".local/share/Steam", error));
   if (!steam) return {Verdict::kOk, "not installed for this user", {}};
-  if (surroundings.Has("PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS"))
+  if (surroundings.HasVariable("PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS"))
     return {Verdict::kOk, "PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS is set: Steam games see the layer", {}};
   const std::string folder = protocol::FolderOf(surroundings.socket_path);
   return {Verdict::kWarn, "Steam games run in a container that imports OpenXR layers only on request",

@@ -67,7 +67,7 @@ Finding CheckEnabledLayers(const Surroundings& surroundings) {
               "start 32-bit applications with " + manifest.disable_environment +
                   "=1, or name the layer for single applications: omni layer disable"};
     }
-    if (surroundings.Has(manifest.disable_environment)) {
+    if (surroundings.HasVariable(manifest.disable_environment)) {
       return {Verdict::kWarn, manifest.disable_environment + " is set: no application gets the layer",
               "unset " + manifest.disable_environment};
     }
@@ -87,7 +87,7 @@ constexpr const char* kRuntimeFix =
 
 // [os-release(5)] ID=debian, VERSION_ID="12"
 bool IsDebian12(const Surroundings& surroundings) {
-  const base::Result<std::string> text = base::ReadFile(surroundings.System("/etc/os-release"), kMaxOsReleaseBytes);
+  const base::Result<std::string> text = base::ReadFile(surroundings.SystemPath("/etc/os-release"), kMaxOsReleaseBytes);
   if (!text.ok()) return false;
   const std::string lines = "\n" + *text + "\n";
   return lines.find("\nID=debian\n") != std::string::npos && lines.find("\nVERSION_ID=\"12\"\n") != std::string::npos;

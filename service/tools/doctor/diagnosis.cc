@@ -43,9 +43,9 @@ bool StartsOnDemand(const std::string& socket_path) {
 
 }  // namespace
 
-std::span<const DiagnosisEntry> Diagnoses() { return kDiagnoses; }
+std::span<const DiagnosisEntry> DiagnosisTable() { return kDiagnoses; }
 
-std::string Surroundings::Variable(const std::string& name) const {
+std::string Surroundings::EnvironmentVariable(const std::string& name) const {
   const auto found = environment.find(name);
   return found == environment.end() ? std::string() : found->second;
 }

@@ -50,10 +50,10 @@ struct Surroundings {
   LoaderAnswer loader;
 
   // Empty: not set.
-  std::string Variable(const std::string& name) const;
+  std::string EnvironmentVariable(const std::string& name) const;
   // Set, even if empty: how the OpenXR loader reads its enable and disable variables.
-  bool Has(const std::string& name) const { return environment.count(name) != 0; }
-  std::filesystem::path System(const std::string& path) const { return root / path.substr(1); }
+  bool HasVariable(const std::string& name) const { return environment.count(name) != 0; }
+  std::filesystem::path SystemPath(const std::string& path) const { return root / path.substr(1); }
 };
 
 Surroundings SurroundingsOfThisProcess(const std::string& socket_path);
@@ -63,7 +63,7 @@ struct DiagnosisEntry {
   Finding (*look)(const Surroundings&);
 };
 // In the order in which problems should be fixed.
-std::span<const DiagnosisEntry> Diagnoses();
+std::span<const DiagnosisEntry> DiagnosisTable();
 
 Finding LookForLayer(const Surroundings& surroundings);
 Finding CheckLayerLibrary(const Surroundings& surroundings);

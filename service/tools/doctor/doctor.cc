@@ -29,7 +29,7 @@ std::string Padded(std::string text, std::size_t width) {
 
 std::vector<Diagnosed> Diagnose(const Surroundings& surroundings) {
   std::vector<Diagnosed> findings;
-  for (const DiagnosisEntry& entry : Diagnoses()) findings.push_back({entry.name, entry.look(surroundings)});
+  for (const DiagnosisEntry& entry : DiagnosisTable()) findings.push_back({entry.name, entry.look(surroundings)});
   return findings;
 }
 
@@ -120,7 +120,7 @@ void AddDoctor(Command& app) {
   const console::Option json = doctor.Add("--json", arguments->as_json, "as JSON");
   doctor.Add("--fix", arguments->fix, "then apply what can be applied, asking before each").Excludes(json);
   AddSocket(doctor, arguments->socket);
-  doctor.Run(arguments, Doctor);
+  doctor.SetAction(arguments, Doctor);
 }
 
 }  // namespace omni::tools

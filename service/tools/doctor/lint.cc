@@ -72,10 +72,10 @@ Finding LintDisabledByEnvironment(const Surroundings& surroundings) {
       objections.Add(IsOurs(manifest) ? Verdict::kFail : Verdict::kWarn,
                      who + " has no disable_environment: the loader skips it because it could not be disabled",
                      "install that layer again, or remove its manifest");
-    } else if (surroundings.Has(manifest.disable_environment)) {
+    } else if (surroundings.HasVariable(manifest.disable_environment)) {
       objections.Add(Verdict::kWarn, who + " is disabled: " + manifest.disable_environment + " is set",
                      "unset " + manifest.disable_environment + " (its value does not matter)");
-    } else if (!manifest.enable_environment.empty() && !surroundings.Has(manifest.enable_environment)) {
+    } else if (!manifest.enable_environment.empty() && !surroundings.HasVariable(manifest.enable_environment)) {
       objections.Add(Verdict::kWarn, who + " needs " + manifest.enable_environment + ", which is not set",
                      "set " + manifest.enable_environment + " where its applications start");
     }
@@ -119,8 +119,8 @@ namespace fs = std::filesystem;
 
 // Architecture -> a loader of it.
 std::map<std::string, std::string> InstalledLoaders(const Surroundings& surroundings) {
-  std::vector<fs::path> folders{surroundings.System("/usr/lib"), surroundings.System("/usr/lib64"),
-                                surroundings.System("/usr/lib32"), surroundings.System("/usr/local/lib")};
+  std::vector<fs::path> folders{surroundings.SystemPath("/usr/lib"), surroundings.SystemPath("/usr/lib64"),
+                                surroundings.SystemPath("/usr/lib32"), surroundings.SystemPath("/usr/local/lib")};
   std::error_code error;
   for (fs::directory_iterator at(folders.front(), error), end; !error && at != end; at.increment(error))
     if (at->path().filename().string().find("-linux-") != std::string::npos) folders.push_back(at->path());

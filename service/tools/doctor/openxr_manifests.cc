@@ -27,10 +27,10 @@ std::vector<std::string> Split(const std::string& list, char separator) {
 // A variable with a list of folders, or the standard folders below the root.
 void AddFolders(const Surroundings& surroundings, const char* variable, const std::vector<std::string>& standard,
                 const std::string& below, std::vector<fs::path>& folders) {
-  const std::string set = surroundings.Variable(variable);
+  const std::string set = surroundings.EnvironmentVariable(variable);
   for (const std::string& folder : Split(set, ':')) folders.push_back(fs::path(folder) / below);
   if (!set.empty()) return;
-  for (const std::string& folder : standard) folders.push_back(surroundings.System(folder) / below);
+  for (const std::string& folder : standard) folders.push_back(surroundings.SystemPath(folder) / below);
 }
 
 std::string TextOf(const json& object, const char* key) {
@@ -106,17 +106,17 @@ std::string ResolveLibrary(const fs::path& manifest, const std::string& library_
 std::vector<fs::path> LayerFolders(const Surroundings& surroundings, bool implicit) {
   const std::string below = std::string("openxr/1/api_layers/") + (implicit ? "implicit.d" : "explicit.d");
   std::vector<fs::path> folders;
-  if (!implicit && !surroundings.Variable("XR_API_LAYER_PATH").empty()) {
-    for (const std::string& folder : Split(surroundings.Variable("XR_API_LAYER_PATH"), ':'))
+  if (!implicit && !surroundings.EnvironmentVariable("XR_API_LAYER_PATH").empty()) {
+    for (const std::string& folder : Split(surroundings.EnvironmentVariable("XR_API_LAYER_PATH"), ':'))
       folders.emplace_back(folder);
     return folders;
   }
   AddFolders(surroundings, "XDG_CONFIG_DIRS", {"/etc/xdg"}, below, folders);
-  folders.push_back(surroundings.System("/etc") / below);
+  folders.push_back(surroundings.SystemPath("/etc") / below);
   AddFolders(surroundings, "XDG_DATA_DIRS", {"/usr/local/share", "/usr/share"}, below, folders);
-  if (const std::string data = surroundings.Variable("XDG_DATA_HOME"); !data.empty()) {
+  if (const std::string data = surroundings.EnvironmentVariable("XDG_DATA_HOME"); !data.empty()) {
     folders.push_back(fs::path(data) / below);
-  } else if (const std::string home = surroundings.Variable("HOME"); !home.empty()) {
+  } else if (const std::string home = surroundings.EnvironmentVariable("HOME"); !home.empty()) {
     folders.push_back(fs::path(home) / ".local/share" / below);
   }
   return folders;
@@ -157,7 +157,7 @@ std::vector<fs::path> LoadersOf32Bit(const Surroundings& surroundings) {
   std::vector<fs::path> found;
   std::error_code error;
   for (const char* folder : {"/usr/lib/i386-linux-gnu", "/usr/lib32", "/usr/local/lib32"}) {
-    const fs::path file = fs::path(surroundings.System(folder)) / "libopenxr_loader.so.1";
+    const fs::path file = fs::path(surroundings.SystemPath(folder)) / "libopenxr_loader.so.1";
     if (fs::exists(file, error)) found.push_back(file);
   }
   return found;
@@ -168,7 +168,7 @@ bool IsOurs(const LayerManifest& manifest) {
 }
 
 std::vector<std::string> EnabledByVariable(const Surroundings& surroundings) {
-  return Split(surroundings.Variable("XR_ENABLE_API_LAYERS"), ':');
+  return Split(surroundings.EnvironmentVariable("XR_ENABLE_API_LAYERS"), ':');
 }
 
 bool FoundByName(const std::vector<LayerManifest>& manifests, const std::string& name,
@@ -188,21 +188,21 @@ bool LibraryIsThere(const LayerManifest& manifest) {
 bool IsUsable(const LayerManifest& manifest, const Surroundings& surroundings) {
   if (!manifest.problem.empty() || !LibraryIsThere(manifest)) return false;
   if (!manifest.implicit) return true;
-  if (surroundings.Has(manifest.disable_environment)) return false;  // disable wins over enable
-  return manifest.enable_environment.empty() || surroundings.Has(manifest.enable_environment);
+  if (surroundings.HasVariable(manifest.disable_environment)) return false;  // disable wins over enable
+  return manifest.enable_environment.empty() || surroundings.HasVariable(manifest.enable_environment);
 }
 
 fs::path ActiveRuntime(const Surroundings& surroundings) {
-  if (const std::string chosen = surroundings.Variable("XR_RUNTIME_JSON"); !chosen.empty()) return chosen;
+  if (const std::string chosen = surroundings.EnvironmentVariable("XR_RUNTIME_JSON"); !chosen.empty()) return chosen;
   const std::string below = "openxr/1/active_runtime.json";
   std::vector<fs::path> candidates;
-  if (const std::string config = surroundings.Variable("XDG_CONFIG_HOME"); !config.empty()) {
+  if (const std::string config = surroundings.EnvironmentVariable("XDG_CONFIG_HOME"); !config.empty()) {
     candidates.push_back(fs::path(config) / below);
-  } else if (const std::string home = surroundings.Variable("HOME"); !home.empty()) {
+  } else if (const std::string home = surroundings.EnvironmentVariable("HOME"); !home.empty()) {
     candidates.push_back(fs::path(home) / ".config" / below);
   }
   AddFolders(surroundings, "XDG_CONFIG_DIRS", {"/etc/xdg"}, below, candidates);
-  candidates.push_back(surroundings.System("/etc") / below);
+  candidates.push_back(surroundings.SystemPath("/etc") / below);
   std::error_code error;
   const auto found = std::find_if(candidates.begin(), candidates.end(),
                                   [&error](const fs::path& candidate) { return fs::exists(candidate, error); });

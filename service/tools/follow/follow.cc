@@ -41,7 +41,7 @@ class Source {
   }
   // Nothing: silence. Lines about the headset are kept.
   std::optional<ProbeLine> Next() {
-    const std::optional<ProbeLine> line = probe_->Next(kSilence_ms);
+    const std::optional<ProbeLine> line = probe_->NextLine(kSilence_ms);
     if (!line) return std::nullopt;
     if (line->says == ProbeSays::kRuntime) headset_.runtime = line->text;
     if (line->says == ProbeSays::kSystem) headset_.system = line->text;
@@ -109,7 +109,7 @@ int Report(client::Connection& connection, Source& source, const config::FollowS
     if (!base && source.named()) base.emplace(source.headset(), mount);
     if (!base) continue;
     const bool motion = line && line->says == ProbeSays::kMotion;
-    if (motion) connection.Send(base->At(*line));
+    if (motion) connection.Send(base->MotionAt(*line));
     if (!line || line->says == ProbeSays::kLost) connection.Send(base->In(protocol::BaseState::kLost));
     if (line && !motion && line->says != ProbeSays::kLost) continue;
     if (said && motion == seen) continue;
@@ -179,7 +179,7 @@ void AddFollow(Command& app) {
   follow.Add("--probe", arguments->probe,
              "the program that reads poses from the OpenXR runtime (default: omni_align_probe)");
   AddSocket(follow, arguments->socket);
-  follow.Run(arguments, Follow);
+  follow.SetAction(arguments, Follow);
 }
 
 }  // namespace omni::tools

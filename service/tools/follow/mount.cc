@@ -68,7 +68,7 @@ protocol::BaseMotion CarriedBase::In(protocol::BaseState state) const {
 }
 
 // v_B = v_C + w_C x (R_LC p_CB),   w_B = w_C
-protocol::BaseMotion CarriedBase::At(const ProbeLine& line) {
+protocol::BaseMotion CarriedBase::MotionAt(const ProbeLine& line) {
   base::Vec3 v = line.velocity_m_s, w = line.turn_rate_rad_s;
   if (!line.moves && before_ && line.t_ns > before_->t_ns && line.t_ns - before_->t_ns <= kLongestStep_ns) {
     const double dt_s = 1e-9 * static_cast<double>(line.t_ns - before_->t_ns);

@@ -41,7 +41,7 @@ class CarriedBase {
  public:
   CarriedBase(const Headset& headset, const alignment::Rigid& X_CB);
   // `line`: kMotion.
-  protocol::BaseMotion At(const ProbeLine& line);
+  protocol::BaseMotion MotionAt(const ProbeLine& line);
   protocol::BaseMotion In(protocol::BaseState state) const;  // kLost, kStands
 
  private:

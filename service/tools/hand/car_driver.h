@@ -7,6 +7,7 @@
 #include "service/base/vec.h"
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/scene/scene_input.h"
+#include "service/tools/hand/hand_task.h"
 
 namespace omni::tools {
 

@@ -41,10 +41,10 @@ class HandTask {
  public:
   virtual ~HandTask() = default;
   // Next aim of the hand; nothing: keep the last one. Times of successive calls must not decrease.
-  virtual std::optional<sim::HandAim> Next(const Perceived& seen) = 0;
+  virtual std::optional<sim::HandAim> NextAim(const Perceived& seen) = 0;
   virtual bool done() const = 0;
   // What was done, and if the task is not done, what is missing.
-  virtual std::string Account() const = 0;
+  virtual std::string Summary() const = 0;
 };
 
 // Longest time step: after a pause the hand continues without catching up.

@@ -32,7 +32,7 @@ Eyes::Eyes(const std::string& socket_path, const LookFor& look_for)
 
 Perceived Eyes::Observe(std::int64_t now_ns) {
   connection_.Poll(now_ns);
-  connection_.Beat();
+  connection_.SignalAlive();
   seen_.t_s = static_cast<double>(now_ns) * 1e-9;
   SeePen(now_ns);
   if (look_for_.soft) SeeSoftBodies();
@@ -43,22 +43,22 @@ Perceived Eyes::Observe(std::int64_t now_ns) {
 void Eyes::SeePen(std::int64_t now_ns) {
   const auto state = connection_.state();
   protocol::ToolSample sample;
-  seen_.pen = state != nullptr && state->Newest(sample) && (sample.flags & protocol::kToolTracked) != 0 &&
+  seen_.pen = state != nullptr && state->ReadNewest(sample) && (sample.flags & protocol::kToolTracked) != 0 &&
               now_ns - sample.t_ns < kForgotten_ns;
   if (!seen_.pen) return;
   const auto& p = sample.position_base_m;
   seen_.tip_base_m = {p[0], p[1], p[2]};
   protocol::ContactSnapshot contacts;
-  if (state->Contacts(contacts)) {
+  if (state->ReadContacts(contacts)) {
     seen_.press_N = 0;
     for (std::uint32_t i = 0; i < contacts.count; ++i) seen_.press_N += contacts.contacts[i].normal_force_N;
   }
   protocol::InputSnapshot inputs;
-  if (state->Inputs(inputs)) {
+  if (state->ReadInputs(inputs)) {
     seen_.select_presses = inputs.components[static_cast<std::size_t>(protocol::InputIndex::kSelect)].press_count;
   }
   protocol::VehicleSnapshot car;
-  if (!state->Vehicle(car)) return;
+  if (!state->ReadVehicle(car)) return;
   const auto& c = car.position_base_m;
   seen_.car = {car.on != 0, {c[0], c[1], c[2]}, car.heading_rad, car.speed_m_s, car.laps, car.hits};
 }

@@ -21,7 +21,7 @@ constexpr double kLeave_s = 0.3;
 
 }  // namespace
 
-std::optional<sim::HandAim> RaceTask::Next(const Perceived& seen) {
+std::optional<sim::HandAim> RaceTask::NextAim(const Perceived& seen) {
   const double dt_s = steps_.Next(seen.t_s);
   if (!seen.pen) return std::nullopt;
   pen_seen_ = true;
@@ -87,7 +87,7 @@ void RaceTask::Hold(const StickWish& wish, const base::Vec3& tip_base_m, double 
   aim_.MoveTo(stick_.centre_base_m + place + expected_m + pushed_m_, kStickMoves_m_s, dt_s);
 }
 
-std::string RaceTask::Account() const {
+std::string RaceTask::Summary() const {
   if (!pen_seen_) return "no pen was tracked";
   if (phase_ == Phase::kReach) return car_.on ? "the joystick was not reached" : "no car appeared";
   const std::string race = Plural(car_.laps, "lap") + ", " + Plural(car_.hits, "hit");

@@ -15,9 +15,9 @@ class RaceTask final : public HandTask {
   RaceTask(const haptics::SceneHeader& scene, TrackLine line)
       : stick_(scene.joystick), driver_(scene.vehicle, std::move(line)) {}
 
-  std::optional<sim::HandAim> Next(const Perceived& seen) override;
+  std::optional<sim::HandAim> NextAim(const Perceived& seen) override;
   bool done() const override { return phase_ == Phase::kDone; }
-  std::string Account() const override;
+  std::string Summary() const override;
 
  private:
   enum class Phase { kReach, kDrive, kStop, kPress, kPressed, kRelease, kLeave, kDone };

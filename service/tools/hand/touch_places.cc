@@ -82,7 +82,7 @@ double Distance2(const TouchPlace& one, const TouchPlace& other) {
 }
 
 // Starts nearest to the axis, then repeatedly the place furthest from those chosen.
-std::vector<TouchPlace> Spread(const std::vector<TouchPlace>& places, int wanted) {
+std::vector<TouchPlace> Broadcast(const std::vector<TouchPlace>& places, int wanted) {
   const auto from_axis_m = [](const TouchPlace& p) { return std::hypot(p.point_base_m.x, p.point_base_m.y); };
   std::vector<TouchPlace> chosen{*std::min_element(
       places.begin(), places.end(), [&](const auto& a, const auto& b) { return from_axis_m(a) < from_axis_m(b); })};
@@ -102,7 +102,7 @@ std::vector<TouchPlace> Spread(const std::vector<TouchPlace>& places, int wanted
 
 std::vector<TouchPlace> FindTouchPlaces(const haptics::Scene& scene, const PlaceOptions& options) {
   const std::vector<TouchPlace> places = scene.empty() ? std::vector<TouchPlace>{} : BestPlaces(scene, options);
-  return places.empty() ? places : Spread(places, options.places);
+  return places.empty() ? places : Broadcast(places, options.places);
 }
 
 std::string NothingWithinReach(const PlaceOptions& options) {

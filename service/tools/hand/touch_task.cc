@@ -50,7 +50,7 @@ TouchTask::TouchTask(std::vector<Touch> touches) : touches_(std::move(touches)) 
   for (const Touch& touch : touches_) safe_z_m_ = std::max(safe_z_m_, touch.place_base_m.z + kSafe_m);
 }
 
-std::optional<sim::HandAim> TouchTask::Next(const Perceived& seen) {
+std::optional<sim::HandAim> TouchTask::NextAim(const Perceived& seen) {
   const double dt_s = steps_.Next(seen.t_s);
   if (!seen.pen) return std::nullopt;
   pen_seen_ = true;
@@ -164,7 +164,7 @@ void TouchTask::Judge(const Perceived& seen) {
 
 bool TouchTask::Enough() const { return clicked_ && succeeded_ >= kWanted[static_cast<std::size_t>(touch().kind)]; }
 
-std::string TouchTask::Account() const {
+std::string TouchTask::Summary() const {
   if (!pen_seen_) return "no pen was tracked";
   if (!there_) {
     return touch().kind == TouchKind::kFirm   ? "the pen did not come near the scene"

@@ -27,9 +27,9 @@ class TouchTask final : public HandTask {
   // Precondition: there are some.
   explicit TouchTask(std::vector<Touch> touches);
 
-  std::optional<sim::HandAim> Next(const Perceived& seen) override;
+  std::optional<sim::HandAim> NextAim(const Perceived& seen) override;
   bool done() const override { return phase_ == Phase::kDone; }
-  std::string Account() const override;
+  std::string Summary() const override;
 
   int succeeded() const { return succeeded_; }
 

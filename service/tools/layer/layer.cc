@@ -122,14 +122,14 @@ void AddLayer(Command& app) {
   layer.RequireCommand();
   Command enable = layer.AddCommand("enable", "give every OpenXR application the pen (by an implicit manifest)");
   AddScope(enable, arguments);
-  enable.Run(arguments, Enable);
+  enable.SetAction(arguments, Enable);
   Command disable = layer.AddCommand("disable", "give the pen only to applications that name the layer");
   AddScope(disable, arguments);
-  disable.Run(arguments, Disable);
+  disable.SetAction(arguments, Disable);
   Command status = layer.AddCommand("status", "show the layer's manifests and whether applications get the layer");
   status.Add("--json", arguments->as_json, "as JSON");
   status.Add("--binary", arguments->binary, "describe the library too: size, C library needed, exports");
-  status.Run(arguments, Status);
+  status.SetAction(arguments, Status);
 }
 
 }  // namespace omni::tools

@@ -46,7 +46,8 @@ std::vector<LayerManifest> ManifestsIn(const fs::path& folder, bool implicit) {
 // Where the package looks for the manifest when it is removed: it does not know a user's XDG_DATA_HOME. Empty: the
 // manifest lies where it looks first.
 fs::path NoteOfPlace(const Surroundings& surroundings, LayerScope scope) {
-  const fs::path data = surroundings.Variable("XDG_DATA_HOME"), home = surroundings.Variable("HOME");
+  const fs::path data = surroundings.EnvironmentVariable("XDG_DATA_HOME"),
+                 home = surroundings.EnvironmentVariable("HOME");
   const bool usual = scope == LayerScope::kSystem || !data.is_absolute() || !home.is_absolute();
   return usual || data == home / ".local/share" ? fs::path() : home / ".local/share/omni/layer_manifest";
 }
@@ -65,10 +66,11 @@ const LayerManifest* EnabledElsewhere(const std::vector<LayerManifest>& manifest
 }  // namespace
 
 base::Result<fs::path> ImplicitFolder(const Surroundings& surroundings, LayerScope scope) {
-  if (scope == LayerScope::kSystem) return surroundings.System("/etc") / kImplicitBelow;
+  if (scope == LayerScope::kSystem) return surroundings.SystemPath("/etc") / kImplicitBelow;
   // The XDG rules ignore values that are not absolute.
-  if (const fs::path data = surroundings.Variable("XDG_DATA_HOME"); data.is_absolute()) return data / kImplicitBelow;
-  const fs::path home = surroundings.Variable("HOME");
+  if (const fs::path data = surroundings.EnvironmentVariable("XDG_DATA_HOME"); data.is_absolute())
+    return data / kImplicitBelow;
+  const fs::path home = surroundings.EnvironmentVariable("HOME");
   if (!home.is_absolute())
     return base::Error{"HOME is not set to an absolute folder; set it, or XDG_DATA_HOME, or use --system"};
   return home / ".local/share" / kImplicitBelow;
@@ -111,7 +113,7 @@ base::Result<std::string> ImplicitManifestText(const LayerManifest& explicit_man
 }
 
 base::Result<EnabledLayer> EnableLayer(const Surroundings& surroundings, LayerScope scope) {
-  if (const std::string user = surroundings.Variable("SUDO_UID");
+  if (const std::string user = surroundings.EnvironmentVariable("SUDO_UID");
       scope == LayerScope::kUser && !user.empty() && user != "0") {
     return base::Error{
         "--user under sudo would leave files owned by root in your home; run it without sudo, or use --system"};

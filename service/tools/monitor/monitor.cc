@@ -82,7 +82,7 @@ void AddMonitor(Command& app) {
   monitor.Add("!--no-open", arguments->open, "do not open a browser");
   monitor.Add("--seconds", arguments->seconds, "end after this many seconds (default: at Ctrl-C)").Positive();
   AddSocket(monitor, arguments->socket);
-  monitor.Run(arguments, MonitorPage);
+  monitor.SetAction(arguments, MonitorPage);
 }
 
 }  // namespace omni::tools

@@ -43,7 +43,7 @@ class TickRows {
     for (; next_ < end; ++next_) {
       protocol::ToolSample sample;
       protocol::TelemetrySample telemetry;
-      if (state->At(next_, sample, telemetry)) {
+      if (state->ReadAt(next_, sample, telemetry)) {
         Write(sample, telemetry);
       } else {
         ++count_.lost;
@@ -87,7 +87,7 @@ base::Result<TelemetryCount> WriteTelemetry(client::Connection& connection, cons
        now_ns = base::MonotonicNow_ns()) {
     if (EndSignals::asked()) break;
     connection.Poll(now_ns);
-    connection.Beat();
+    connection.SignalAlive();
     rows.WriteNew(connection.state());
     if (std::fflush(file.get()) != 0) return base::Error{base::WriteProblem(path, errno)};
     std::this_thread::sleep_for(kPause);

@@ -113,7 +113,7 @@ void AddTry(Command& app) {
   command.Add("!--no-open", arguments->open, "do not open a browser");
   command.Add("--seconds", arguments->seconds, "end after this many seconds (default: at Ctrl-C)").Positive();
   command.Add("--twin-record", arguments->twin_record, "CSV file of the twin's true pose, forces and currents");
-  command.Run(arguments, Try);
+  command.SetAction(arguments, Try);
 }
 
 }  // namespace omni::tools

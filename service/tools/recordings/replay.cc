@@ -148,7 +148,7 @@ void AddReplay(Command& app) {
       app.AddCommand("replay", "summarise a recording of omnid --record-device; omnid --device replay:FILE plays it");
   replay.Add("file", arguments->path, "the recording").Required();
   replay.Add("--json", arguments->as_json, "as JSON");
-  replay.Run(arguments, Replay);
+  replay.SetAction(arguments, Replay);
 }
 
 }  // namespace omni::tools

@@ -48,7 +48,7 @@ std::vector<TrackedPosition> TrackedOf(const CsvTable& loop) {
   std::vector<TrackedPosition> tracked;
   for (std::size_t i = 0; i < loop.rows(); ++i) {
     if (!IsTracked(loop, i)) continue;
-    tracked.push_back({loop["t_ns"][i], {x[i], y[i], z[i]}, loop.Has(kSigma) ? loop[kSigma][i] : 0});
+    tracked.push_back({loop["t_ns"][i], {x[i], y[i], z[i]}, loop.HasColumn(kSigma) ? loop[kSigma][i] : 0});
   }
   return tracked;
 }
@@ -56,7 +56,7 @@ std::vector<TrackedPosition> TrackedOf(const CsvTable& loop) {
 void CountTracked(const CsvTable& loop, const CsvTable& table, RunReport& report) {
   const Truth truth{table, table["t_ns"]};
   std::size_t there = 0, tracked = 0, coarse = 0;
-  for (std::size_t i = 0; loop.Has(kSigma) && i < loop.rows(); ++i) {
+  for (std::size_t i = 0; loop.HasColumn(kSigma) && i < loop.rows(); ++i) {
     double p[3];
     if (!truth.At(loop["t_ns"][i], p)) continue;
     ++there;
@@ -88,7 +88,7 @@ base::Result<CsvTable> ReadTable(const RunFiles& files, const RunFileEntry& entr
   const std::string& path = files.*entry.path;
   base::Result<CsvTable> table = CsvTable::Read(path);
   if (!table.ok()) return NotJudged(entry, table.error());
-  if (const std::string missing = table->Missing(columns); !missing.empty()) {
+  if (const std::string missing = table->MissingColumns(columns); !missing.empty()) {
     return NotJudged(entry, path + ": columns missing: " + missing);
   }
   if (table->rows() == 0) return NotJudged(entry, path + ": no rows after its header");

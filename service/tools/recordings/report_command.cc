@@ -155,7 +155,7 @@ int Report(const ReportArguments& arguments) {
   if (!arguments.table.empty()) return ShowTable(arguments.table);
   for (const RunFileEntry& entry : kRunFiles) {
     if (!(arguments.files.*entry.path).empty()) continue;
-    return Refuse("omni report", std::string(entry.option) + ": is missing; give " + entry.what);
+    return FailUsage("omni report", std::string(entry.option) + ": is missing; give " + entry.what);
   }
   return MakeRunReport(arguments);
 }
@@ -171,7 +171,7 @@ void AddReport(Command& app) {
   report.Add("--summary", arguments->summary, "JSON file to add a row to");
   report.Add("--picture", arguments->picture, "picture to write").WritesOnly(".svg", "SVG");
   report.Add("--table", arguments->table, "print a summary file as a table, nothing else");
-  report.Run(arguments, Report);
+  report.SetAction(arguments, Report);
 }
 
 }  // namespace omni::tools

@@ -36,7 +36,7 @@ void DrawScene(Svg& svg, const View& view, const haptics::Scene& scene) {
     std::vector<SvgPoint> corners;
     for (const base::Vec3& corner : triangle.corners_m) corners.push_back(view(corner));
     const auto shade = [&](double full) { return static_cast<int>(std::lround(full * triangle.brightness)); };
-    const std::string colour = Printed("#%02x%02x%02x", shade(214), shade(224), shade(235));
+    const std::string colour = Format("#%02x%02x%02x", shade(214), shade(224), shade(235));
     // The line closes the gaps between neighbours.
     svg.Polygon(corners, ("fill=\"" + colour + "\" stroke=\"" + colour + "\" stroke-width=\"0.4\"").c_str());
   }

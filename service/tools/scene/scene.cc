@@ -92,7 +92,7 @@ int Cost(const ExplainArguments& arguments) {
 int Cache(const ExplainArguments& arguments) {
   scene::CacheStore store(config::CacheFolder());
   if (!store.problem().empty()) return FailWith(arguments.as_json, "omni scene cache", store.problem());
-  const scene::CacheUse use = arguments.clear ? store.Clear() : store.Use();
+  const scene::CacheUse use = arguments.clear ? store.Clear() : store.Usage();
   if (arguments.as_json) {
     PrintJson(nlohmann::json{
         {"folder", store.folder()}, {"files", use.files}, {"bytes", use.bytes}, {"removed", arguments.clear}});
@@ -121,12 +121,12 @@ void AddScene(Command& app) {
   cost.Add("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
   cost.Add("--touch-all", arguments->touch_all, "make a file without haptic tags touchable everywhere");
   cost.Add("--no-cache", arguments->no_cache, "build it even if the scene is cached");
-  cost.Run(arguments, Cost);
+  cost.SetAction(arguments, Cost);
   Command cache = scene.AddCommand("cache", "show the built scenes cached on disk");
   cache.Add("--clear", arguments->clear, "remove them");
   cache.Add("--json", arguments->as_json, "as JSON");
-  cache.Run(arguments, Cache);
-  explain.Run(arguments, Explain);
+  cache.SetAction(arguments, Cache);
+  explain.SetAction(arguments, Explain);
   AddSceneEdits(scene);
 }
 

@@ -93,18 +93,18 @@ void AddSceneEdits(Command& scene) {
   auto arguments = std::make_shared<EditArguments>();
   Command edits = scene.AddCommand("edits", "list what was sculpted in the running service: objects, strokes, memory");
   edits.Add("--json", arguments->as_json, "as JSON");
-  edits.Run(arguments, Edits);
+  edits.SetAction(arguments, Edits);
   Command undo = scene.AddCommand("undo", "undo the last stroke of a sculpted object");
-  undo.Run(arguments, Undo);
+  undo.SetAction(arguments, Undo);
   Command redo = scene.AddCommand("redo", "redo the stroke that was undone last");
-  redo.Run(arguments, Redo);
+  redo.SetAction(arguments, Redo);
   for (Command command : {undo, redo}) {
     command.Add("--object", arguments->object, "name or number (default: the one edited last)");
   }
   Command save = scene.AddCommand("save", "write the sculpted surfaces as a .glb file, as they are now");
   save.Add("file", arguments->file, "the file to write").Required().WritesOnly(".glb", "binary glTF");
   save.Add("--force", arguments->force, "replace an existing file");
-  save.Run(arguments, Save);
+  save.SetAction(arguments, Save);
   for (const Command& command : {edits, undo, redo, save}) AddPlace(command, arguments);
 }
 

@@ -37,12 +37,12 @@ std::string ProblemsText() {
 
 void Look(const client::StateReader& state, Felt& felt, std::uint64_t& first_presses) {
   protocol::ToolSample sample;
-  if (state.Newest(sample)) {
+  if (state.ReadNewest(sample)) {
     const auto& f = sample.force_base_N;
     felt.largest_force_N = std::max(felt.largest_force_N, base::Norm({f[0], f[1], f[2]}));
   }
   protocol::InputSnapshot inputs;
-  if (!state.Inputs(inputs)) return;
+  if (!state.ReadInputs(inputs)) return;
   const std::uint64_t presses = inputs.components[static_cast<std::size_t>(base::InputComponent::kSelect)].press_count;
   if (first_presses == 0 || presses < first_presses) first_presses = presses + 1;
   felt.presses = static_cast<int>(presses + 1 - first_presses);
@@ -75,7 +75,7 @@ base::Result<Felt> FeelScene(const SetupRun& run, const std::string& scene, doub
     if (EndSignals::asked()) return base::Error{"interrupted"};
     trial.Poll(now_ns);
     (*monitor)->Poll(now_ns);
-    (*monitor)->Beat();
+    (*monitor)->SignalAlive();
     if (trial.scene().state == monitor::SceneState::kFailed) return base::Error{trial.scene().text};
     if (const auto state = (*monitor)->state()) Look(*state, felt, first_presses);
     const std::optional<int> ended = hand ? hand->Poll() : std::nullopt;

@@ -27,7 +27,7 @@ constexpr double kSwing_s = 10, kMove_s = 0.8, kRest_s = 1.2;
 constexpr Vec3 kTip_m{0.02, -0.01, -0.11};  // the controller's point that touches, in its own frame
 
 // On a table before the person.
-alignment::Rigid SimulatedBase() { return alignment::Nudged(alignment::LevelBase(), 0.3, {0.1, 0.75, -0.45}); }
+alignment::Rigid SimulatedBase() { return alignment::NudgedPose(alignment::LevelBase(), 0.3, {0.1, 0.75, -0.45}); }
 
 // About w by |w|.
 base::Quat Turned(const Vec3& w) {
@@ -41,7 +41,7 @@ base::Quat Turned(const Vec3& w) {
 alignment::Rigid GripAt(double t_s) {
   std::vector<Vec3> marks;
   for (const config::Mark& mark : config::DefaultMarks()) {
-    marks.push_back(alignment::Apply(SimulatedBase(), mark.position_base_m));
+    marks.push_back(alignment::TransformPoint(SimulatedBase(), mark.position_base_m));
   }
   Vec3 at = marks.front();
   double swing_rad = 0.5;
@@ -56,7 +56,7 @@ alignment::Rigid GripAt(double t_s) {
                   swing_rad * std::sin(2.7 * t_s + 2)};
   alignment::Rigid grip;
   grip.orientation = Turned(turn);
-  grip.position_m = at - alignment::Apply(grip, kTip_m);
+  grip.position_m = at - alignment::TransformPoint(grip, kTip_m);
   return grip;
 }
 
@@ -78,6 +78,6 @@ int Rehearse() {
 
 }  // namespace
 
-void AddRehearseController(Command& app) { app.AddHidden("rehearse-controller").Run(Rehearse); }
+void AddRehearseController(Command& app) { app.AddHidden("rehearse-controller").SetAction(Rehearse); }
 
 }  // namespace omni::tools

@@ -44,7 +44,7 @@ int List(bool as_json) {
 bool Report(const StepOutcome& outcome, const std::string& undo, double seconds) {
   constexpr const char* kWords[] = {"done", "skipped", "FAILED"};
   Print(std::string(kWords[static_cast<int>(outcome.kind)]) + ": " + outcome.text +
-        (outcome.kind == StepOutcome::Kind::kDone ? Printed(" (%.0f s)", seconds) : std::string()) + "\n");
+        (outcome.kind == StepOutcome::Kind::kDone ? Format(" (%.0f s)", seconds) : std::string()) + "\n");
   if (outcome.kind == StepOutcome::Kind::kDone && !undo.empty()) Print("  to take it back: " + undo + "\n");
   return outcome.kind != StepOutcome::Kind::kFailed;
 }
@@ -73,9 +73,9 @@ int Setup(const SetupArguments& arguments) {
   if (arguments.list || arguments.as_json) return List(arguments.as_json);
   const SetupStep* const one = FindSetupStep(arguments.step);
   if (arguments.undo && one == nullptr)
-    return Refuse(kSetupCommand, "--undo: needs the name of a step; --list has them");
+    return FailUsage(kSetupCommand, "--undo: needs the name of a step; --list has them");
   if (one != nullptr && arguments.undo && one->undo == nullptr) {
-    return Refuse(kSetupCommand, std::string("--undo: ") + one->name + " changes nothing");
+    return FailUsage(kSetupCommand, std::string("--undo: ") + one->name + " changes nothing");
   }
   const auto run = SetupRun::Start(arguments.rehearse, arguments.yes);
   if (!run.ok()) return Fail(kSetupCommand, run.error());
@@ -94,7 +94,7 @@ int Setup(const SetupArguments& arguments) {
     return Fail(kSetupCommand, std::string("\"") + step.title + "\" failed, see above; `omni setup " + step.name +
                                    "` tries it again, `omni setup` goes through all steps");
   }
-  Print(Printed("\nSet up in %.0f s.", 1e-9 * static_cast<double>(base::MonotonicNow_ns() - start_ns)) +
+  Print(Format("\nSet up in %.0f s.", 1e-9 * static_cast<double>(base::MonotonicNow_ns() - start_ns)) +
         " `omni monitor` shows the pen live, `omni doctor` what could be better.\n");
   return kExitOk;
 }
@@ -116,7 +116,7 @@ void AddSetup(Command& app) {
   setup.Add("--undo", arguments->undo, "take back what the step has changed");
   setup.Add("--list", arguments->list, "list the steps, and which are done");
   setup.Add("--json", arguments->as_json, "the same as JSON");
-  setup.Run(arguments, Setup);
+  setup.SetAction(arguments, Setup);
 }
 
 }  // namespace omni::tools

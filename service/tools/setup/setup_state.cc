@@ -33,7 +33,7 @@ bool IsThere(const fs::path& path) {
 base::Result<std::string> FindUsbBase() {
   const auto bus = device::MakeUsbBus(false);
   if (!bus.ok()) return base::Error{bus.error()};
-  const base::Result<std::vector<device::UsbBase>> bases = (*bus)->List();
+  const base::Result<std::vector<device::UsbBase>> bases = (*bus)->ListBases();
   if (!bases.ok()) return base::Error{bases.error()};
   if (bases->empty()) {
     return base::Error{

@@ -109,8 +109,8 @@ StepOutcome SetInputs(SetupRun& run) {
   if (!felt.ok()) return Failed(felt.error());
   const double full_N = std::clamp(0.8 * felt->largest_force_N, 0.3, 1.5);
   const std::string text = std::string(kWrittenBySetup) + "\nhand = \"" + hand +
-                           "\"\n\n[inputs]\ntip_force_full_N = " + Printed("%.2f", full_N) +
-                           "   # of the tip's pressure 1; you pressed with " + Printed("%.2f", felt->largest_force_N) +
+                           "\"\n\n[inputs]\ntip_force_full_N = " + Format("%.2f", full_N) +
+                           "   # of the tip's pressure 1; you pressed with " + Format("%.2f", felt->largest_force_N) +
                            " N\n";
   const std::string path = config::UserInputsFile();
   if (WhoseInputs(path) == Inputs::kOfTheUser) {
@@ -119,7 +119,7 @@ StepOutcome SetInputs(SetupRun& run) {
   const base::Status written = base::WriteWholeFile(path, text, {.make_folder = true});
   if (!written.ok()) return Failed(written.error());
   run.EndService();  // it reads the file at its start
-  return Done(std::to_string(felt->presses) + " presses, at most " + Printed("%.2f", felt->largest_force_N) +
+  return Done(std::to_string(felt->presses) + " presses, at most " + Format("%.2f", felt->largest_force_N) +
               " N: " + path + ". Double tap, flick and long presses are buttons too: docs/howto/apps.md");
 }
 
@@ -160,8 +160,8 @@ StepOutcome FeelScenes(SetupRun& run) {
     const base::Result<Felt> felt =
         FeelScene(run, row.scene, kPatience_s, [](const Felt& now) { return now.largest_force_N >= kFelt_N; });
     if (!felt.ok()) return Failed(std::string(row.scene) + ": " + felt.error());
-    Print(std::string("  felt ") + Printed("%.2f", felt->largest_force_N) + " N\n");
-    text += (text.empty() ? "" : ", ") + std::string(row.scene) + " " + Printed("%.2f", felt->largest_force_N) + " N";
+    Print(std::string("  felt ") + Format("%.2f", felt->largest_force_N) + " N\n");
+    text += (text.empty() ? "" : ", ") + std::string(row.scene) + " " + Format("%.2f", felt->largest_force_N) + " N";
   }
   return Done("largest forces: " + text);
 }

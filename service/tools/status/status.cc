@@ -238,7 +238,7 @@ void AddStatus(Command& app) {
   Command status = app.AddCommand("status", "show what omnid does: device, tick, pen, force, clients, problems");
   status.Add("--json", arguments->as_json, "as JSON");
   AddSocket(status, arguments->socket);
-  status.Run(arguments, Status);
+  status.SetAction(arguments, Status);
 }
 
 }  // namespace omni::tools

@@ -34,6 +34,6 @@ std::string WatchScreen(const WatchFrame& frame, int columns);
 std::string WatchLine(const WatchFrame& frame);
 
 // "#####-----": `value` of `full` in `width` characters. Not finite: all dashes.
-std::string Bar(double value, double full, int width);
+std::string TextBar(double value, double full, int width);
 
 }  // namespace omni::tools

@@ -71,7 +71,7 @@ void AddStop(Command& app) {
   Command stop = app.AddCommand("stop", "emergency stop: no force until it is released");
   stop.Add("--release", arguments->release, "end it: applications may push again");
   AddSocket(stop, arguments->socket);
-  stop.Run(arguments, Stop);
+  stop.SetAction(arguments, Stop);
 }
 
 }  // namespace omni::tools

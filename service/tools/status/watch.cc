@@ -44,14 +44,14 @@ class Watcher {
 
   const WatchFrame& Next(std::int64_t now_ns) {
     connection_.Poll(now_ns);
-    connection_.Beat();
+    connection_.SignalAlive();
     frame_.now_ns = now_ns;
     frame_.connected = connection_.connected();
     frame_.problem = connection_.last_error();
     const auto state = connection_.state();
-    frame_.has_sample = state != nullptr && state->Newest(frame_.sample);
+    frame_.has_sample = state != nullptr && state->ReadNewest(frame_.sample);
     if (!frame_.has_sample) frame_.sample = {};
-    if (state == nullptr || !state->Inputs(frame_.inputs)) frame_.inputs = {};
+    if (state == nullptr || !state->ReadInputs(frame_.inputs)) frame_.inputs = {};
     if (frame_.connected) {
       ReadStatus(now_ns);
     } else {
@@ -141,7 +141,7 @@ void AddWatch(Command& app) {
   Command watch = app.AddCommand("watch", "show the pen live: pose, gap, force, contact, inputs");
   watch.Add("--seconds", arguments->seconds, "stop after this many seconds (default: at Ctrl-C)").Positive();
   AddSocket(watch, arguments->socket);
-  watch.Run(arguments, Watch);
+  watch.SetAction(arguments, Watch);
 }
 
 }  // namespace omni::tools

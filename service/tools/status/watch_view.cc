@@ -38,16 +38,16 @@ std::string PoseLines(const WatchFrame& frame, int bar) {
   const protocol::ToolSample& s = frame.sample;
   const auto& p = s.position_base_m;
   const auto u = TipDirection(s.orientation_base_wxyz);
-  std::string text = Printed("pen       %s\n", PoseWord(frame));
-  text += Printed("tip       x %+7.1f  y %+7.1f  z %+7.1f mm   uncertainty %.2f mm\n", p[0] * 1e3, p[1] * 1e3,
-                  p[2] * 1e3, s.position_sigma_m * 1e3);
-  text += Printed("points to x %+7.3f  y %+7.3f  z %+7.3f\n", u[0], u[1], u[2]);
-  text += Printed("speed     %7.1f mm/s\n", Length(s.linear_velocity_base_m_s) * 1e3);
-  text += Printed("gap       %7.1f mm  ", s.gap_m * 1e3) + Bar(s.gap_m, kGapShown_m, bar) + "\n";
-  text +=
-      Printed("force     %7.2f N   ", Length(s.force_base_N)) + Bar(Length(s.force_base_N), kForceShown_N, bar) + "\n";
-  text += Printed("          x %+6.2f  y %+6.2f  z %+6.2f N   %s\n", s.force_base_N[0], s.force_base_N[1],
-                  s.force_base_N[2], InContact(frame) ? "CONTACT" : "");
+  std::string text = Format("pen       %s\n", PoseWord(frame));
+  text += Format("tip       x %+7.1f  y %+7.1f  z %+7.1f mm   uncertainty %.2f mm\n", p[0] * 1e3, p[1] * 1e3,
+                 p[2] * 1e3, s.position_sigma_m * 1e3);
+  text += Format("points to x %+7.3f  y %+7.3f  z %+7.3f\n", u[0], u[1], u[2]);
+  text += Format("speed     %7.1f mm/s\n", Length(s.linear_velocity_base_m_s) * 1e3);
+  text += Format("gap       %7.1f mm  ", s.gap_m * 1e3) + TextBar(s.gap_m, kGapShown_m, bar) + "\n";
+  text += Format("force     %7.2f N   ", Length(s.force_base_N)) + TextBar(Length(s.force_base_N), kForceShown_N, bar) +
+          "\n";
+  text += Format("          x %+6.2f  y %+6.2f  z %+6.2f N   %s\n", s.force_base_N[0], s.force_base_N[1],
+                 s.force_base_N[2], InContact(frame) ? "CONTACT" : "");
   return text;
 }
 
@@ -55,15 +55,15 @@ std::string InputLines(const WatchFrame& frame) {
   std::string text;
   for (std::size_t i = 0; i < kInputNames.size(); ++i) {
     const protocol::InputValue& input = frame.inputs.components[i];
-    text += Printed("%-11s %+5.2f  presses %-6u%s", kInputNames[i], static_cast<double>(input.value), input.press_count,
-                    i % 2 == 1 ? "\n" : "   ");
+    text += Format("%-11s %+5.2f  presses %-6u%s", kInputNames[i], static_cast<double>(input.value), input.press_count,
+                   i % 2 == 1 ? "\n" : "   ");
   }
   return text + "\n";
 }
 
 std::string ServiceLines(const WatchFrame& frame) {
   std::string text =
-      std::isfinite(frame.tick_rate_Hz) ? Printed("tick      %.0f Hz", frame.tick_rate_Hz) : "tick      -";
+      std::isfinite(frame.tick_rate_Hz) ? Format("tick      %.0f Hz", frame.tick_rate_Hz) : "tick      -";
   if (frame.status.is_object()) {
     text += ", " + TextAt(frame.status, "/tick/late") + " late, p99 " + TextAt(frame.status, "/tick/us_p99", 1) + " us";
     const std::string scene = TextAt(frame.status, "/scene/name");
@@ -91,7 +91,7 @@ std::string Cut(const std::string& lines, std::size_t columns) {
 
 }  // namespace
 
-std::string Bar(double value, double full, int width) {
+std::string TextBar(double value, double full, int width) {
   const double share = std::isfinite(value) ? std::clamp(value / full, 0.0, 1.0) : 0.0;
   const int filled = static_cast<int>(std::lround(share * width));
   return std::string(static_cast<std::size_t>(filled), '#') +
@@ -111,10 +111,10 @@ std::string WatchScreen(const WatchFrame& frame, int columns) {
 std::string WatchLine(const WatchFrame& frame) {
   if (!frame.connected) return "waiting for omnid: " + frame.problem + "\n";
   const protocol::ToolSample& s = frame.sample;
-  const std::string rate = std::isfinite(frame.tick_rate_Hz) ? Printed("  tick %.0f Hz", frame.tick_rate_Hz) : "";
-  return Printed("%s  tip %.1f %.1f %.1f mm  gap %.1f mm  force %.2f N%s%s\n", PoseWord(frame),
-                 s.position_base_m[0] * 1e3, s.position_base_m[1] * 1e3, s.position_base_m[2] * 1e3, s.gap_m * 1e3,
-                 Length(s.force_base_N), InContact(frame) ? " contact" : "", rate.c_str());
+  const std::string rate = std::isfinite(frame.tick_rate_Hz) ? Format("  tick %.0f Hz", frame.tick_rate_Hz) : "";
+  return Format("%s  tip %.1f %.1f %.1f mm  gap %.1f mm  force %.2f N%s%s\n", PoseWord(frame),
+                s.position_base_m[0] * 1e3, s.position_base_m[1] * 1e3, s.position_base_m[2] * 1e3, s.gap_m * 1e3,
+                Length(s.force_base_N), InContact(frame) ? " contact" : "", rate.c_str());
 }
 
 }  // namespace omni::tools

@@ -55,7 +55,7 @@ class SurfaceCounter {
   // True: new rates are available, or something else to show.
   bool Read(std::int64_t now_ns) {
     connection_.Poll(now_ns);
-    connection_.Beat();
+    connection_.SignalAlive();
     view_.connected = connection_.connected();
     view_.problem = connection_.last_error();
     view_.answered = connection_.surfaces_answered();
@@ -116,7 +116,7 @@ class SurfaceCounter {
 
   std::uint64_t PollCount() const {
     protocol::SurfacePulse pulse;
-    return reader_ != nullptr && reader_->Pulse(pulse) ? pulse.poll_count : 0;
+    return reader_ != nullptr && reader_->ReadPulse(pulse) ? pulse.poll_count : 0;
   }
 
   client::Connection connection_;
@@ -216,7 +216,7 @@ void AddSurfaces(Command& app) {
            "--watch: stop after this many seconds; --largest: watch for so many (default 10)")
       .Positive();
   AddSocket(surfaces, arguments->socket);
-  surfaces.Run(arguments, Surfaces);
+  surfaces.SetAction(arguments, Surfaces);
 }
 
 }  // namespace omni::tools

@@ -49,7 +49,7 @@ class PublishedReader {
   // True: something is new.
   bool Read() {
     connection_.Poll(base::MonotonicNow_ns());
-    connection_.Beat();
+    connection_.SignalAlive();
     was_connected_ = was_connected_ || connection_.connected();
     if (connection_.surfaces() != reader_) Begin();
     bool news = false;

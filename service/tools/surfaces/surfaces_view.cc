@@ -31,14 +31,14 @@ std::string NamesOf(std::uint32_t flags) {
 bool HasRest(const SurfaceRow& row) { return row.vertices > 0 && (row.flags & protocol::kSurfaceSculpted) == 0; }
 
 std::string DisplacementOf(const SurfaceRow& row) {
-  return HasRest(row) ? Printed("%.3f", row.largest_displacement_m * 1e3) : "-";
+  return HasRest(row) ? Format("%.3f", row.largest_displacement_m * 1e3) : "-";
 }
 
 std::string RowText(const SurfaceRow& row, int width) {
   const bool moved = (row.flags & protocol::kSurfaceMoved) != 0;
-  return Printed("%-*s  %-18s  %9u  %9u  %9.1f  %10s  %8s\n", width, row.name.c_str(), NamesOf(row.flags).c_str(),
-                 row.vertices, row.triangles, row.changes_Hz, DisplacementOf(row).c_str(),
-                 moved ? Printed("%.2f", row.translation_m * 1e3).c_str() : "-");
+  return Format("%-*s  %-18s  %9u  %9u  %9.1f  %10s  %8s\n", width, row.name.c_str(), NamesOf(row.flags).c_str(),
+                row.vertices, row.triangles, row.changes_Hz, DisplacementOf(row).c_str(),
+                moved ? Format("%.2f", row.translation_m * 1e3).c_str() : "-");
 }
 
 }  // namespace
@@ -71,15 +71,15 @@ std::string SurfacesText(const SurfacesView& view) {
   if (!view.connected) return "no service: " + view.problem + "\n";
   if (!view.answered) return "omnid has not answered yet\n";
   if (!view.has_memory) return "nothing to draw: no application's scene has a surface that changes\n";
-  std::string text = Printed("scene %llu, memory %llu of %.1f MB, checked %.1f times per second\n",
-                             static_cast<unsigned long long>(view.scene_generation),
-                             static_cast<unsigned long long>(view.memory_generation),
-                             static_cast<double>(view.bytes) * 1e-6, view.poll_Hz);
+  std::string text = Format("scene %llu, memory %llu of %.1f MB, checked %.1f times per second\n",
+                            static_cast<unsigned long long>(view.scene_generation),
+                            static_cast<unsigned long long>(view.memory_generation),
+                            static_cast<double>(view.bytes) * 1e-6, view.poll_Hz);
   std::size_t longest = 6;
   for (const SurfaceRow& row : view.rows) longest = std::max(longest, row.name.size());
   const int width = static_cast<int>(longest);
-  text += Printed("%-*s  %-18s  %9s  %9s  %9s  %10s  %8s\n", width, "object", "changes", "vertices", "triangles",
-                  "times/s", "largest mm", "moved mm");
+  text += Format("%-*s  %-18s  %9s  %9s  %9s  %10s  %8s\n", width, "object", "changes", "vertices", "triangles",
+                 "times/s", "largest mm", "moved mm");
   for (const SurfaceRow& row : view.rows) text += RowText(row, width);
   return text;
 }

@@ -193,9 +193,9 @@ void AddTrack(Command& app) {
   track.Add("--residuals", arguments->residuals, "CSV file of residuals by pose and sensor");
   track.Add("--json", arguments->json, "write the errors as {name, commit, machine, rows}");
   track.Add("--convert", arguments->convert, "folder to write device.toml, readings.csv, truth.csv into");
-  track.Run([arguments, device, data] {
+  track.SetAction([arguments, device, data] {
     if (device.given() || data.given()) return RunTrack(*arguments);
-    return Refuse("omni track", "--device or --data is required; see 'omni track --help'");
+    return FailUsage("omni track", "--device or --data is required; see 'omni track --help'");
   });
 }
 

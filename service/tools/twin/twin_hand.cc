@@ -46,13 +46,13 @@ int LeadHand(const HandArguments& arguments, const Intent& intent) {
       if (!was_connected) break;
       char after[32];
       std::snprintf(after, sizeof(after), " after %.0f s", arguments.patience_s);
-      return Fail(kHandCommand, intent.task->Account() + after);
+      return Fail(kHandCommand, intent.task->Summary() + after);
     }
     const Perceived seen = eyes.Observe(base::MonotonicNow_ns());
     if (was_connected && !eyes.connected())
-      return Fail(kHandCommand, "lost the connection to omnid: " + intent.task->Account());
+      return Fail(kHandCommand, "lost the connection to omnid: " + intent.task->Summary());
     was_connected = eyes.connected();
-    const auto aim = intent.task->Next(seen);
+    const auto aim = intent.task->NextAim(seen);
     if (aim && hand.Connect()) hand.Send(MessageOf(*aim));
     if (aim && !hand.connected()) return Fail(kHandCommand, hand.problem());
     std::this_thread::sleep_for(kHandPeriod);
@@ -61,8 +61,8 @@ int LeadHand(const HandArguments& arguments, const Intent& intent) {
     std::fprintf(stderr, "%s: %s\n", kHandCommand, eyes.problem().c_str());
     return kExitNoService;
   }
-  if (!intent.task->done()) return Fail(kHandCommand, "interrupted: " + intent.task->Account());
-  std::printf("%s (%.1f s)\n", intent.task->Account().c_str(), elapsed_s());
+  if (!intent.task->done()) return Fail(kHandCommand, "interrupted: " + intent.task->Summary());
+  std::printf("%s (%.1f s)\n", intent.task->Summary().c_str(), elapsed_s());
   return kExitOk;
 }
 
@@ -93,7 +93,7 @@ void AddTwinHand(Command& twin) {
   hand.Add("--fit", arguments->fit, "the application's scene is scaled and moved into reach");
   hand.Add("--touch-all", arguments->touch_all,
            "the scene has no haptic tags and is touchable everywhere (--fit does too)");
-  hand.Run(arguments, TwinHand);
+  hand.SetAction(arguments, TwinHand);
 }
 
 }  // namespace omni::tools

@@ -104,8 +104,8 @@ const char* NameOf(const Stretch& stretch) { return stretch.hypothesis ? stretch
 std::string StretchesText(const std::vector<Stretch>& stretches) {
   std::string text = "explained by     from (s)   to (s)    scans\n";
   for (const Stretch& stretch : stretches) {
-    text += Printed("                 %8.3f %8.3f %8d  %s\n", 1e-9 * static_cast<double>(stretch.begin_ns),
-                    1e-9 * static_cast<double>(stretch.end_ns), stretch.scans, NameOf(stretch));
+    text += Format("                 %8.3f %8.3f %8d  %s\n", 1e-9 * static_cast<double>(stretch.begin_ns),
+                   1e-9 * static_cast<double>(stretch.end_ns), stretch.scans, NameOf(stretch));
   }
   return text;
 }
@@ -136,7 +136,7 @@ nlohmann::ordered_json RunJson(const RunArguments& arguments, const std::string&
           {"error_mm", {{"mean", errors.mean_mm}, {"p95", errors.p95_mm}, {"max", errors.max_mm}}},
           {"sigma_median_mm", errors.sigma_median_mm},
           {"silent_share", errors.silent_share},
-          {"hash", Printed("%016llx", static_cast<unsigned long long>(summary.hash))}};
+          {"hash", Format("%016llx", static_cast<unsigned long long>(summary.hash))}};
 }
 
 int RunTwin(const RunArguments& arguments) {
@@ -257,7 +257,7 @@ void AddTwin(Command& app) {
   run.Add("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
   run.Add("--explain", arguments->explain, "print which of the tracker's hypotheses explained the scans, by stretches");
   run.Add("--json", arguments->as_json, "as JSON");
-  run.Run(arguments, RunTwin);
+  run.SetAction(arguments, RunTwin);
 
   auto path_arguments = std::make_shared<PathArguments>();
   Command path = twin.AddCommand("path", "write a hand script that touches a scene or calibrates the base");
@@ -268,7 +268,7 @@ void AddTwin(Command& app) {
   path.Add("--fit", path_arguments->fit, "scale and move the model into reach");
   path.Add("--touch-all", path_arguments->touch_all,
            "make a file without haptic tags touchable everywhere (--fit does too)");
-  path.Run(path_arguments, WritePath);
+  path.SetAction(path_arguments, WritePath);
   AddTwinHand(twin);
 }
 

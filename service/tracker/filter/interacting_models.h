@@ -46,7 +46,7 @@ inline Mixing Mix(const TransitionRates& rates_1_s, double dt_s, const Likely& l
 }
 
 // mu_j = c_j L_j / sum c L, none below `floor`: a model of probability zero could never recover
-inline void Weigh(const Likely& log_likelihood, Likely& likely) noexcept {
+inline void UpdateProbabilities(const Likely& log_likelihood, Likely& likely) noexcept {
   constexpr double kFloor = 1e-6;
   const double best = *std::max_element(log_likelihood.begin(), log_likelihood.end());
   double sum = 0;
@@ -70,7 +70,7 @@ template <typename Estimate, typename Correct>
 void CorrectEach(const Correct& correct, Models<Estimate>& models) noexcept {
   Likely log_likelihood{};
   for (std::size_t j = 0; j < kModels; ++j) log_likelihood[j] = correct(j, models.estimate[j]);
-  Weigh(log_likelihood, models.likely);
+  UpdateProbabilities(log_likelihood, models.likely);
 }
 
 }  // namespace omni::tracker

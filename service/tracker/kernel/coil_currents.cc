@@ -53,7 +53,7 @@ bool ArePlausible(const Currents& current_A) noexcept {
 }
 
 // Before the first reported step, currents are assumed to have been what they were there.
-CurrentHistory Remember(const base::HallScan& scan, const CurrentHistory& previous) noexcept {
+CurrentHistory UpdatedHistory(const base::HallScan& scan, const CurrentHistory& previous) noexcept {
   CurrentHistory now;
   now.valid = true;
   now.t_ns = scan.t_ns;

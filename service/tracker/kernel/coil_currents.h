@@ -27,7 +27,7 @@ struct CurrentHistory {
 
 // The history after `scan`. A base that does not report its control steps does not report the end of its ticks either:
 // it is inferred from the latest stamps of the past second.
-CurrentHistory Remember(const base::HallScan& scan, const CurrentHistory& previous) noexcept;
+CurrentHistory UpdatedHistory(const base::HallScan& scan, const CurrentHistory& previous) noexcept;
 
 struct CurrentInstant {
   Currents current_A{}, rate_A_s{};

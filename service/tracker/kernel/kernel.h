@@ -132,7 +132,7 @@ struct KernelList {
 KernelList RunnableKernels() noexcept;
 
 template <class Real>
-const KernelIn<Real>& In(const Kernel& kernel) noexcept {
+const KernelIn<Real>& KernelFor(const Kernel& kernel) noexcept {
   if constexpr (std::is_same_v<Real, float>) {
     return kernel.in_float;
   } else {

@@ -21,8 +21,8 @@ void Scale(Real factor, ToolSource<Real>& tool) noexcept {
 }  // namespace
 
 template <class Real, int kCapacity>
-void Pack(const Model& model, const BasicMeasurement<kCapacity>& measurement,
-          Problem<Real, kCapacity>& problem) noexcept {
+void PackProblem(const Model& model, const BasicMeasurement<kCapacity>& measurement,
+                 Problem<Real, kCapacity>& problem) noexcept {
   if constexpr (std::is_same_v<Real, float>) {
     problem.tool = model.tool_float;
     problem.places = model.places_float.data();
@@ -46,10 +46,10 @@ void Pack(const Model& model, const BasicMeasurement<kCapacity>& measurement,
   }
 }
 
-template void Pack(const Model&, const Measurement&, Problem<float, kSensors>&) noexcept;
-template void Pack(const Model&, const Measurement&, Problem<double, kSensors>&) noexcept;
-template void Pack(const Model&, const ArrayMeasurement&, Problem<float, kArraySensors>&) noexcept;
-template void Pack(const Model&, const ArrayMeasurement&, Problem<double, kArraySensors>&) noexcept;
+template void PackProblem(const Model&, const Measurement&, Problem<float, kSensors>&) noexcept;
+template void PackProblem(const Model&, const Measurement&, Problem<double, kSensors>&) noexcept;
+template void PackProblem(const Model&, const ArrayMeasurement&, Problem<float, kArraySensors>&) noexcept;
+template void PackProblem(const Model&, const ArrayMeasurement&, Problem<double, kArraySensors>&) noexcept;
 
 KernelPose ToKernel(const PosePoint& pose, const std::array<double, 3>& velocity_base_m_s,
                     const std::array<double, 3>& axis_rate_base_1_s) noexcept {
@@ -69,9 +69,9 @@ KernelPose ToKernel(const PosePoint& pose, const std::array<double, 3>& velocity
 // Schur complement of the nuisances, S = (C^T C + diag(1/s^2))^-1:
 //   JtJ - (C^T J)^T S (C^T J),   Jtr - (C^T J)^T S C^T r,   rtr - (C^T r)^T S C^T r
 // which is the same as whitening with diag(sigma^2) + sum_j s_j^2 a_j a_j^T.
-void Eliminate(const KernelTask& task, const KernelSums& sums,
-               const std::array<double, std::size_t{kNuisancesMax} * kNuisancesMax>& S,
-               NormalEquations& result) noexcept {
+void EliminateNuisances(const KernelTask& task, const KernelSums& sums,
+                        const std::array<double, std::size_t{kNuisancesMax} * kNuisancesMax>& S,
+                        NormalEquations& result) noexcept {
   const auto count = static_cast<std::size_t>(task.parameters);
   const auto nuisances = static_cast<std::size_t>(task.nuisances);
   result.chi2 = sums.rtr;
@@ -111,13 +111,13 @@ template <int kCapacity>
 void Linearise(const Model& model, const BasicMeasurement<kCapacity>& measurement, const PosePoint& pose,
                NormalEquations& result) noexcept {
   Problem<double, kCapacity> problem;
-  Pack(model, measurement, problem);
+  PackProblem(model, measurement, problem);
   const KernelTask task{kParameters, measurement.nuisances, true};
   KernelSums sums;
   ActiveKernel().in_double.sum(problem.places, problem.blocks, problem.block_count, problem.tool,
                                ToKernel(pose, measurement.velocity_base_m_s, measurement.axis_rate_base_1_s), task,
                                nullptr, sums);
-  Eliminate(task, sums, measurement.nuisance_covariance, result);
+  EliminateNuisances(task, sums, measurement.nuisance_covariance, result);
 }
 template void Linearise(const Model&, const Measurement&, const PosePoint&, NormalEquations&) noexcept;
 template void Linearise(const Model&, const ArrayMeasurement&, const PosePoint&, NormalEquations&) noexcept;

@@ -28,13 +28,13 @@ struct Problem {
 };
 
 template <class Real, int kCapacity>
-void Pack(const Model& model, const BasicMeasurement<kCapacity>& measurement,
-          Problem<Real, kCapacity>& problem) noexcept;
+void PackProblem(const Model& model, const BasicMeasurement<kCapacity>& measurement,
+                 Problem<Real, kCapacity>& problem) noexcept;
 
-extern template void Pack(const Model&, const Measurement&, Problem<float, kSensors>&) noexcept;
-extern template void Pack(const Model&, const Measurement&, Problem<double, kSensors>&) noexcept;
-extern template void Pack(const Model&, const ArrayMeasurement&, Problem<float, kArraySensors>&) noexcept;
-extern template void Pack(const Model&, const ArrayMeasurement&, Problem<double, kArraySensors>&) noexcept;
+extern template void PackProblem(const Model&, const Measurement&, Problem<float, kSensors>&) noexcept;
+extern template void PackProblem(const Model&, const Measurement&, Problem<double, kSensors>&) noexcept;
+extern template void PackProblem(const Model&, const ArrayMeasurement&, Problem<float, kArraySensors>&) noexcept;
+extern template void PackProblem(const Model&, const ArrayMeasurement&, Problem<double, kArraySensors>&) noexcept;
 
 // With the nuisances at their best: for every pose, chi2 is the least over them of |r + C n|^2 + prior.
 // Entries that the task leaves out are not written, nor cleared: that would cost as much as the sums are worth.
@@ -51,9 +51,9 @@ KernelPose ToKernel(const PosePoint& pose, const std::array<double, 3>& velocity
                     const std::array<double, 3>& axis_rate_base_1_s) noexcept;
 
 // S: BasicMeasurement::nuisance_covariance. docs/theory/tracking.md (3.2)
-void Eliminate(const KernelTask& task, const KernelSums& sums,
-               const std::array<double, std::size_t{kNuisancesMax} * kNuisancesMax>& S,
-               NormalEquations& result) noexcept;
+void EliminateNuisances(const KernelTask& task, const KernelSums& sums,
+                        const std::array<double, std::size_t{kNuisancesMax} * kNuisancesMax>& S,
+                        NormalEquations& result) noexcept;
 
 // Not finite where the model is not (pose inside the core or at a sensor): compare with care.
 template <int kCapacity>

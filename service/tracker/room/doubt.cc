@@ -42,7 +42,7 @@ void EndTrials(Doubt& doubt) noexcept {
   doubt.none_to_blame = false;
 }
 
-void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept {
+void ExcludeSensor(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept {
   const int needed = doubt.agree_needed == 0 ? options.agree_min : doubt.agree_needed;
   if (sensor < 0 && doubt.left_out >= 0) doubt.agree_needed = std::min(2 * needed, options.agree_max);
   doubt.left_out = sensor;
@@ -51,14 +51,14 @@ void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept {
   EndTrials(doubt);
 }
 
-void Clear(double model_error, Doubt& doubt) noexcept {
+void ClearDoubt(double model_error, Doubt& doubt) noexcept {
   doubt.model_error = std::min(doubt.model_error, model_error);
   doubt.agreed = doubt.agree_needed = 0;
   doubt.chi2_per_dof = doubt.chi2_lately = 1;
   EndTrials(doubt);
 }
 
-double Unsureness(const DoubtOptions& options, const Doubt& doubt, double misfit) noexcept {
+double SigmaFactor(const DoubtOptions& options, const Doubt& doubt, double misfit) noexcept {
   const double chi2 = std::max({doubt.chi2_per_dof, doubt.chi2_lately, misfit});
   return chi2 > options.unsure_above ? 1 + options.unsure_by * (chi2 - 1) : 1;
 }

@@ -69,15 +69,15 @@ Suspect WorstOf(const Doubt& doubt) noexcept;
 void EndTrials(Doubt& doubt) noexcept;
 
 // Leaves out sensor `sensor` from now on; -1: none.
-void Blame(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept;
+void ExcludeSensor(const DoubtOptions& options, int sensor, Doubt& doubt) noexcept;
 
 // A magnet nearby explains what did not fit: the calibration is no worse than model_error, and a sensor left out must
 // agree again for the shortest time only.
-void Clear(double model_error, Doubt& doubt) noexcept;
+void ClearDoubt(double model_error, Doubt& doubt) noexcept;
 
 // Factor on a pose's standard deviation while scans fit badly. `misfit`: that of a magnet nearby, relative to the
 // expected one.
-double Unsureness(const DoubtOptions& options, const Doubt& doubt, double misfit) noexcept;
+double SigmaFactor(const DoubtOptions& options, const Doubt& doubt, double misfit) noexcept;
 
 // A scan fitted there with chi2 per degree of freedom `ratio`; model_error: that of the calibration.
 void LearnModelError(const DoubtOptions& options, double ratio, const base::Vec3& position_base_m, double model_error,

@@ -87,7 +87,7 @@ class Search {
         kernel_(options.kernel != nullptr ? *options.kernel : ActiveKernel()),
         unknowns_{kCount, measurement.nuisances, false},
         task_(options.sums == nullptr ? unknowns_ : KernelTask{kCount, measurement.columns, true}) {
-    Pack(model, measurement, problem_);
+    PackProblem(model, measurement, problem_);
     keeps_jacobian_ = options.chord && !options.take_every_step && options.damping == 0;
   }
 
@@ -143,10 +143,10 @@ class Search {
   }
 
   NormalEquations Evaluate(const PosePoint& point) noexcept {
-    In<Real>(kernel_).sum(problem_.places, problem_.blocks, problem_.block_count, problem_.tool, At(point), task_,
-                          keeps_jacobian_ ? jacobian_ : nullptr, sums_);
+    KernelFor<Real>(kernel_).sum(problem_.places, problem_.blocks, problem_.block_count, problem_.tool, At(point),
+                                 task_, keeps_jacobian_ ? jacobian_ : nullptr, sums_);
     NormalEquations equations;
-    Eliminate(unknowns_, sums_, measurement_.nuisance_covariance, equations);
+    EliminateNuisances(unknowns_, sums_, measurement_.nuisance_covariance, equations);
     return equations;
   }
 
@@ -155,10 +155,10 @@ class Search {
   // nothing has happened. docs/theory/tracking.md, Solver
   bool FinishByChord(const Pose& pose, const PosePoint& point, double chi2_before, double decrement_before,
                      SmallCholesky<kCount>& factors, Fit& fit) noexcept {
-    In<Real>(kernel_).residual(problem_.places, problem_.blocks, problem_.block_count, problem_.tool, At(point), task_,
-                               jacobian_, sums_);
+    KernelFor<Real>(kernel_).residual(problem_.places, problem_.blocks, problem_.block_count, problem_.tool, At(point),
+                                      task_, jacobian_, sums_);
     NormalEquations equations;
-    Eliminate(unknowns_, sums_, measurement_.nuisance_covariance, equations);
+    EliminateNuisances(unknowns_, sums_, measurement_.nuisance_covariance, equations);
     if (!(equations.chi2 <= chi2_before)) return false;
     Step<kCount> g{};
     for (std::size_t i = 0; i < kCount; ++i) g[i] = -equations.Jtr[i];

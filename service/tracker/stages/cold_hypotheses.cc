@@ -202,7 +202,7 @@ bool KeepField(Trial& trial) noexcept {
 bool LeaveOut(int sensor, Trial& trial) noexcept {
   OpenField(trial);
   trial.proposal.doubt = trial.state.room.doubt;
-  Blame(trial.fixed.config.doubt, sensor, *trial.proposal.doubt);
+  ExcludeSensor(trial.fixed.config.doubt, sensor, *trial.proposal.doubt);
   return true;
 }
 

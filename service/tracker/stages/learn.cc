@@ -29,7 +29,7 @@ void CheckLeftOut(const Observation& observation, RoomState& room) noexcept {
   const bool agrees = !frozen && Chi2Under(context, observation.predicted.filter, room.drift, all, kNoFitChi2) - chi2 <
                                      options.agrees_below;
   room.doubt.agreed = agrees ? room.doubt.agreed + 1 : 0;
-  if (room.doubt.agreed >= std::max(room.doubt.agree_needed, options.agree_min)) Blame(options, -1, room.doubt);
+  if (room.doubt.agreed >= std::max(room.doubt.agree_needed, options.agree_min)) ExcludeSensor(options, -1, room.doubt);
 }
 
 void LearnDoubt(const Observation& observation, RoomState& room) noexcept {
@@ -63,12 +63,12 @@ void LearnStray(const Observation& observation, bool young, RoomState& room) noe
   LearnStray(options, config.model, room.drift, observation.received.scan(), explanation.measurement,
              explanation.outcome.fit.pose, repeats, stray);
   if (stray.dipole.followed() != nullptr && !found) {
-    Clear(config.doubt.model_error_start, room.doubt);
+    ClearDoubt(config.doubt.model_error_start, room.doubt);
     if (young) stray.places_to_prove = options.places_min;
   }
   const bool gain_is_wrong = stray.dipole.wrong_gain >= 0 && stray.places >= config.doubt.gain_places;
   if (gain_is_wrong && room.doubt.left_out < 0) {
-    Blame(config.doubt, stray.dipole.wrong_gain, room.doubt);
+    ExcludeSensor(config.doubt, stray.dipole.wrong_gain, room.doubt);
     stray = {};
   }
 }
@@ -82,7 +82,8 @@ void LearnSuspect(const Observation& observation, RoomState& room) noexcept {
             observation.predicted.filter, room.drift, false, observation.explanation.outcome.fit.chi2, doubt);
   if (doubt.trials < options.rounds * kSensors) return;
   const Suspect suspect = WorstOf(doubt);
-  if (doubt.left_out < 0 && suspect.saved_chi2 > options.blame_saves) return Blame(options, suspect.sensor, doubt);
+  if (doubt.left_out < 0 && suspect.saved_chi2 > options.blame_saves)
+    return ExcludeSensor(options, suspect.sensor, doubt);
   doubt.model_error =
       std::min(options.raise_by * std::max(doubt.model_error, options.model_error_start), options.model_error_max);
   EndTrials(doubt);

@@ -131,7 +131,7 @@ Fit WithDoubts(const Config& config, const RoomState& room, const Outcome& outco
   if (outcome.good) AddMomentCovariance(room, fit);
   if (outcome.good && room.stray.on) AddStrayCovariance(config.stray, room.stray, fit);
   const FollowedDipole* magnet = room.stray.dipole.followed();
-  const double unsure = Unsureness(config.doubt, room.doubt, magnet != nullptr ? magnet->misfit : 1);
+  const double unsure = SigmaFactor(config.doubt, room.doubt, magnet != nullptr ? magnet->misfit : 1);
   fit.covariance *= unsure * unsure;
   return fit;
 }

@@ -18,7 +18,7 @@ void Start(const Config& config, const base::HallScan& scan, RoomState& room) no
 // Leaves out a sensor that repeats the same reading before it becomes wrong.
 void BlameFrozen(const Config& config, const base::HallScan& scan, RoomState& room) noexcept {
   const int frozen = FindFrozen(scan, config.doubt.frozen_scans, room.repetition);
-  if (frozen >= 0 && room.doubt.left_out < 0 && CanDoubt(config, room)) Blame(config.doubt, frozen, room.doubt);
+  if (frozen >= 0 && room.doubt.left_out < 0 && CanDoubt(config, room)) ExcludeSensor(config.doubt, frozen, room.doubt);
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ Received Receive(const Config& config, const base::HallScan& as_read, RoomState&
   received.since_last_s = base::Elapsed_s(as_read.t_ns, room.currents.t_ns);
   if (room.away.learnt) SubtractZeros(room.away, received.zeroed.emplace(as_read));
   room.currents_before = room.currents;
-  room.currents = Remember(as_read, room.currents_before);
+  room.currents = UpdatedHistory(as_read, room.currents_before);
   return received;
 }
 

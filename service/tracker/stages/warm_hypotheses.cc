@@ -50,7 +50,7 @@ bool BlameWorst(Trial& trial) noexcept {
   }
   if (doubt.trials < kSensors) return false;
   trial.proposal.doubt = doubt;
-  Blame(options, WorstOf(doubt).sensor, *trial.proposal.doubt);
+  ExcludeSensor(options, WorstOf(doubt).sensor, *trial.proposal.doubt);
   EndTrials(doubt);
   doubt.none_to_blame = true;
   return true;

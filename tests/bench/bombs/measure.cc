@@ -62,7 +62,7 @@ class Guest {
 
   void Poll() {
     connection_.Poll(base::MonotonicNow_ns());
-    connection_.Beat();
+    connection_.SignalAlive();
   }
   bool Connect() {
     for (int i = 0; i < 2000 && !connection_.connected(); ++i, SleepMs(1)) Poll();
@@ -180,7 +180,7 @@ void Artist::Run() {
   while (!stop_) {
     const std::int64_t now_ns = base::MonotonicNow_ns();
     connection_.Poll(now_ns);
-    connection_.Beat();
+    connection_.SignalAlive();
     if (connection_.connected() && welcomed != connection_.welcomes()) {
       welcomed = connection_.welcomes();
       connection_.SendSession(protocol::SessionState::kBegun);

@@ -30,7 +30,7 @@ void CheckOracle(const Body& body, const Check& check, Verdict& verdict) {
 void JudgePath(const Body& body, const Oracle& oracle, const haptics::Scene& scene, const std::vector<Vec3>& path,
                std::size_t check_every, Verdict& verdict) {
   haptics::State state;
-  haptics::Enter(scene, state);
+  haptics::EnterScene(scene, state);
   const haptics::Config config = PlainConfig();
   haptics::Input input = PlainInput();
   haptics::Output output;

@@ -114,7 +114,7 @@ ordered_json StyleRow(const Body& body, const Timed& timed, std::size_t s) {
 double FarTip_ns(const haptics::Scene& scene) {
   constexpr int kCalls = 2000, kRounds = 25;
   haptics::State state;
-  haptics::Enter(scene, state);
+  haptics::EnterScene(scene, state);
   const haptics::Config config = PlainConfig();
   haptics::Input input = PlainInput();
   haptics::Output output;

@@ -41,7 +41,7 @@ class StepEngine final : public Engine {
   const char* name() const override { return "omni-proxy"; }
   BuildCost Build(const Body& /*body*/) override { return cost_; }
   void Start(const Vec3& tip) override {
-    Enter(scene_, state_);
+    EnterScene(scene_, state_);
     Tick(tip);
   }
   double Tick(const Vec3& tip) override {
@@ -67,7 +67,7 @@ class ContactEngine final : public Engine {
   const char* name() const override { return "study-omni-contact"; }
   BuildCost Build(const Body& /*body*/) override { return cost_; }
   void Start(const Vec3& tip) override {
-    Enter(scene_, state_);
+    EnterScene(scene_, state_);
     Input input;
     input.device_point_base_m = tip;
     StartContacts(ContactScene(scene_, input, state_), state_);

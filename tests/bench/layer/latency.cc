@@ -52,7 +52,7 @@ void PrintLatency(const App& app, int samples) {
     const bool first = last_ns == 0;
     seen = location.pose;
     protocol::ToolSample sample;
-    if (!reader->Newest(sample) || sample.t_ns == last_ns) continue;
+    if (!reader->ReadNewest(sample) || sample.t_ns == last_ns) continue;
     last_ns = sample.t_ns;
     if (!first) ms.push_back(1e-6 * static_cast<double>(now_ns - sample.t_ns));
     if (ms.size() % 256 == 0) Sync(app);  // as an application does

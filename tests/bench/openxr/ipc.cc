@@ -56,7 +56,7 @@ base::Status AddReads(const LayerStage& stage, BenchRows& rows) {
                                  .engine = {},
                                  .socket_path = stage.socket_path()});
   protocol::ToolSample sample;
-  for (int i = 0; i < 500 && !(connection.connected() && connection.state()->Newest(sample)); ++i) {
+  for (int i = 0; i < 500 && !(connection.connected() && connection.state()->ReadNewest(sample)); ++i) {
     connection.Poll(base::MonotonicNow_ns());
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
@@ -64,10 +64,10 @@ base::Status AddReads(const LayerStage& stage, BenchRows& rows) {
   const auto reader = connection.state();
   protocol::ToolSample after;
   protocol::InputSnapshot inputs;
-  rows.push_back(TimeReads("StateReader::Newest", [&] { reader->Newest(sample); }));
-  rows.push_back(
-      TimeReads("StateReader::Around (10 ms ago)", [&] { reader->Around(sample.t_ns - 10'000'000, sample, after); }));
-  rows.push_back(TimeReads("StateReader::Inputs", [&] { reader->Inputs(inputs); }));
+  rows.push_back(TimeReads("StateReader::ReadNewest", [&] { reader->ReadNewest(sample); }));
+  rows.push_back(TimeReads("StateReader::ReadAround (10 ms ago)",
+                           [&] { reader->ReadAround(sample.t_ns - 10'000'000, sample, after); }));
+  rows.push_back(TimeReads("StateReader::ReadInputs", [&] { reader->ReadInputs(inputs); }));
   return base::Ok{};
 }
 

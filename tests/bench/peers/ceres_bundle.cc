@@ -40,7 +40,7 @@ class InstantManifold final : public ceres::Manifold {
 
   bool Plus(const double* x, const double* step, double* sum) const override {
     const Eigen::Map<const calibration::OwnVector> by(step);
-    Store(calibration::Moved(InstantAt(x), by), sum);
+    Store(calibration::MovedInstant(InstantAt(x), by), sum);
     return true;
   }
 
@@ -141,8 +141,8 @@ class SampleCost final : public ceres::CostFunction {
                  Eigen::Map<Eigen::VectorXd>& r, double** jacobians) const {
     const int at = 3 * static_cast<int>(i), rows = num_residuals();
     const calibration::Residual one =
-        calibration::Compare(blocks_.parameters(), blocks_.array(), i, observation_.tau, frame, instant.remanence,
-                             observation_.kept, observation_.tool_sensor_T[i]);
+        calibration::ComputeResidual(blocks_.parameters(), blocks_.array(), i, observation_.tau, frame,
+                                     instant.remanence, observation_.kept, observation_.tool_sensor_T[i]);
     const Vector3d scale = std::sqrt(observation_.weight) * observation_.inverse_sigma[i];
     r.segment<3>(at) = scale.cwiseProduct(one.r);
     if (jacobians == nullptr) return;

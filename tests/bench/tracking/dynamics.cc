@@ -198,7 +198,7 @@ std::array<Trials, 2> Dash(const CalibratedBase& base, double radius_m, double a
 //   c = 2 / (n a) sum p_k exp(-i phase_k) with p along the sine: its gain is |c|, and its lag is arg(i c)
 Trials Tremble(const CalibratedBase& base, double radius_m, double duration_s, std::uint64_t place) {
   const auto motion = std::make_shared<Trembling>(radius_m, kTremor_m, 100 * base.seed + place);
-  const base::Vec3 middle_m = motion->At(0).pose.centre_base_m;
+  const base::Vec3 middle_m = motion->StateAt(0).pose.centre_base_m;
   std::complex<double> sum;
   Trials trials;
   trials.lost_ticks = Follow(base, motion, duration_s, [&](const Sample& sample) {

@@ -44,7 +44,7 @@ TEST(Lockstep, HostAndTargetAgreeInEveryBit) {
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < kSteps; ++i) {
     const LockstepRequest& request = session.Next(on_host);
-    host.Answer(request, on_host);
+    host.HandleRequest(request, on_host);
     const auto on_target = (*target)->Step(request);
     ASSERT_TRUE(on_target.ok()) << "step " << i << ": " << on_target.error();
     host_hash = Hash(host_hash, on_host);
@@ -76,10 +76,10 @@ TEST(Lockstep, DrillChecksumMatchesTheHost) {
   unsigned checksum = 0;
   ASSERT_EQ(std::sscanf(run->output.c_str(), "drill %d %x", &steps, &checksum), 2) << run->output;
   EXPECT_EQ(steps, kSteps);
-  const std::uint32_t on_host = Drill(kSteps);
+  const std::uint32_t on_host = DrillChecksum(kSteps);
   std::printf("drill of %d steps: %08x on the host, %08x on the target\n", kSteps, on_host, checksum);
   EXPECT_EQ(checksum, on_host);
-  EXPECT_NE(on_host, Drill(kSteps - 1)) << "every step counts";
+  EXPECT_NE(on_host, DrillChecksum(kSteps - 1)) << "every step counts";
 }
 
 // The core's answer to a FAULT request; fault = 0: nothing is recorded.

@@ -30,16 +30,18 @@ std::vector<std::uint8_t> String(std::uint8_t index, const std::string& serial) 
 
 }  // namespace
 
-std::vector<std::uint8_t> SysfsDescriptors() { return ToVector(usb::Join(usb::kDevice, usb::kConfigurationHigh)); }
+std::vector<std::uint8_t> SysfsDescriptors() {
+  return ToVector(usb::Concatenate(usb::kDevice, usb::kConfigurationHigh));
+}
 
 std::vector<std::uint8_t> Descriptor(std::uint16_t value, const std::string& serial) {
-  switch (usb::High(value)) {
+  switch (usb::HighByte(value)) {
     case usb::kDescriptorDevice:
       return ToVector(usb::kDevice);
     case usb::kDescriptorConfiguration:
       return ToVector(usb::kConfigurationHigh);
     case usb::kDescriptorString:
-      return String(usb::Low(value), serial);
+      return String(usb::LowByte(value), serial);
     case usb::kDescriptorQualifier:
       return ToVector(usb::kQualifier);
     case usb::kDescriptorOtherSpeed:

@@ -122,7 +122,7 @@ bool ActionModel::Choose() {
 
 bool ActionModel::ActionIsActive(int action, const ModelSync& sync, std::uint32_t* priority) const {
   const ModelAction& a = actions_[static_cast<std::size_t>(action)];
-  if (a.any_declared() && !a.Declares(hand_)) return false;
+  if (a.any_declared() && !a.HasSubaction(hand_)) return false;
   bool active = false;
   for (const ModelActiveSet& entry : sync.active) {
     if (entry.set != a.set || (entry.at != At::kNull && entry.at != hand_)) continue;
@@ -235,7 +235,7 @@ ModelPart ActionModel::RuntimeSays(int action, At at, const ModelSync& sync) con
   if (!a.any_declared()) return answer(At::kNull);
   ModelPart out;
   for (const At hand : {At::kLeft, At::kRight})
-    if (a.Declares(hand) && hand != hand_) out = Combine(a.type, out, answer(hand));
+    if (a.HasSubaction(hand) && hand != hand_) out = Combine(a.type, out, answer(hand));
   return out;
 }
 
@@ -315,7 +315,7 @@ void ActionModel::Sync(const ModelSync& sync) {
     const ModelPart pen = PenSays(action, sync);
     Remember(action, At::kNull, RuntimeSays(action, At::kNull, sync), pen, sync);
     for (const At hand : {At::kLeft, At::kRight})
-      if (a.Declares(hand))
+      if (a.HasSubaction(hand))
         Remember(action, hand, RuntimeSays(action, hand, sync), owner_ && hand == hand_ ? pen : ModelPart(), sync);
   }
 }
@@ -344,7 +344,7 @@ ModelSpace ActionModel::Space(int action, At at) const {
 std::set<std::string> ActionModel::PenSources(int action) const {
   std::set<std::string> out;
   const ModelAction& a = actions_[static_cast<std::size_t>(action)];
-  if (!owner_ || (a.any_declared() && !a.Declares(hand_))) return out;
+  if (!owner_ || (a.any_declared() && !a.HasSubaction(hand_))) return out;
   for (const Wire& wire : wires_)
     if (wire.suggestion->action == action) out.insert(UserOf(hand_) + wire.source);
   return out;

@@ -21,7 +21,7 @@ struct ModelAction {
   XrActionType type = XR_ACTION_TYPE_BOOLEAN_INPUT;
   bool left = false;  // declared subaction paths
   bool right = false;
-  bool Declares(At at) const { return at == At::kLeft ? left : at == At::kRight && right; }
+  bool HasSubaction(At at) const { return at == At::kLeft ? left : at == At::kRight && right; }
   bool any_declared() const { return left || right; }
 };
 

@@ -169,7 +169,7 @@ TEST_F(Profiles, UnfocusedSyncDoesNotSelectProfile) {
     nanosleep(&pause, nullptr);
   }
   ASSERT_FALSE(service.heard().sessions.empty()) << "connected";
-  for (int i = 0; i < 100; ++i) {  // long enough for a pen that waits for its placement
+  for (int i = 0; i < 100; ++i) {  // long enough for a pen that waits for its base pose
     service.Fill();
     ASSERT_EQ(app.Sync(), XR_SESSION_NOT_FOCUSED);
     const timespec pause{0, 5'000'000};

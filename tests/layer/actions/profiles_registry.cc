@@ -81,7 +81,7 @@ std::set<std::string> PathsOf(const std::string& list) {
 std::set<std::string> Listed(const layer::Profile& profile, layer::Hand hand, const std::vector<std::string>& enabled) {
   std::set<std::string> paths;
   for (const layer::Component& c : profile.components)
-    if (c.On(hand) && layer::HasPath(profile, hand, c.path, enabled)) paths.insert(c.path);
+    if (c.IsOnHand(hand) && layer::HasPath(profile, hand, c.path, enabled)) paths.insert(c.path);
   for (const layer::PoseComponent& pose : profile.poses)
     if (layer::HasPath(profile, hand, pose.path, enabled)) paths.insert(pose.path);
   return paths;
@@ -127,7 +127,7 @@ TEST(ProfilesRegistry, SourceNamesAreUniquePerHand) {
     for (const layer::Hand hand : {layer::Hand::kLeft, layer::Hand::kRight}) {
       std::set<std::string> names;
       for (const layer::Component& c : profile.components) {
-        if (!c.On(hand) || !c.requires_any.empty()) continue;
+        if (!c.IsOnHand(hand) || !c.requires_any.empty()) continue;
         EXPECT_TRUE(names.insert(c.name).second) << profile.path << ": " << c.name;
       }
       for (const layer::PoseComponent& pose : profile.poses)
@@ -142,7 +142,7 @@ TEST(ProfilesRegistry, EveryProfileMapsSelectAndMenuToThePen) {
     for (const layer::Hand hand : {layer::Hand::kLeft, layer::Hand::kRight}) {
       std::set<int> sources;
       for (const layer::Component& c : profile.components)
-        if (c.On(hand)) sources.insert({c.source, c.click_source});
+        if (c.IsOnHand(hand)) sources.insert({c.source, c.click_source});
       EXPECT_TRUE(sources.count(static_cast<int>(protocol::InputIndex::kSelect))) << profile.path;
       EXPECT_TRUE(sources.count(static_cast<int>(protocol::InputIndex::kMenu))) << profile.path;
     }

@@ -236,7 +236,7 @@ std::string CompareSpace(const layer::SessionActions& layer, const std::shared_p
   layer::Space space;
   space.action = action;
   space.subaction = kPathOf[static_cast<int>(at)];
-  layer.Serve(space);
+  layer.UpdateServedBy(space);
   const int served = space.served_by;
   const SpaceSource is = served == layer::kServedByRuntime  ? SpaceSource::kRuntime
                          : served == layer::kServedByNobody ? SpaceSource::kNobody
@@ -253,13 +253,13 @@ std::string CompareAction(const Scenario& scenario, const layer::SessionActions&
   const auto& action = scenario.actions[static_cast<std::size_t>(i)];
   const ModelAction& m = scenario.model_actions[static_cast<std::size_t>(i)];
   for (const At at : {At::kNull, At::kLeft, At::kRight}) {
-    if (at != At::kNull && !m.Declares(at)) continue;
+    if (at != At::kNull && !m.HasSubaction(at)) continue;
     std::string why;
     if (m.type == XR_ACTION_TYPE_POSE_INPUT) {
-      why = ComparePose(layer.Find(*action, kPathOf[static_cast<int>(at)]), model.State(i, at));
+      why = ComparePose(layer.FindState(*action, kPathOf[static_cast<int>(at)]), model.State(i, at));
       if (why.empty()) why = CompareSpace(layer, action, at, model.Space(i, at));
     } else if (m.type != XR_ACTION_TYPE_VIBRATION_OUTPUT) {
-      why = Compare(layer.Find(*action, kPathOf[static_cast<int>(at)]), model.State(i, at));
+      why = Compare(layer.FindState(*action, kPathOf[static_cast<int>(at)]), model.State(i, at));
     }
     if (!why.empty()) return "at " + std::to_string(static_cast<int>(at)) + ": " + why;
   }
@@ -293,7 +293,7 @@ std::string RunScenario(std::uint64_t seed, Seen& seen) {
     for (int i = 0; i < static_cast<int>(scenario.actions.size()); ++i) {
       const std::string why = CompareAction(scenario, layer, model, i);
       if (!why.empty()) return where + ", action " + std::to_string(i) + " " + why;
-      const layer::ActionState* any = layer.Find(*scenario.actions[static_cast<std::size_t>(i)], XR_NULL_PATH);
+      const layer::ActionState* any = layer.FindState(*scenario.actions[static_cast<std::size_t>(i)], XR_NULL_PATH);
       seen.active += any && any->active;
       seen.changed += any && any->changed;
       seen.pen_spaces += model.Space(i, At::kNull).source == SpaceSource::kPen;

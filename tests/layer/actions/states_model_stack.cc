@@ -249,7 +249,7 @@ void StackScenario::Live() {
     if (Chance(75)) sync_.active.push_back({set, At::kNull, priorities_[static_cast<std::size_t>(set)]});
     for (const At hand : {At::kLeft, At::kRight}) {
       const bool declared = std::any_of(actions_.begin(), actions_.end(),
-                                        [&](const ModelAction& a) { return a.set == set && a.Declares(hand); });
+                                        [&](const ModelAction& a) { return a.set == set && a.HasSubaction(hand); });
       if (declared && Chance(15)) sync_.active.push_back({set, hand, priorities_[static_cast<std::size_t>(set)]});
     }
   }
@@ -280,7 +280,7 @@ std::string StackScenario::CompareWith(const ActionModel& model) {
     why << "profile " << profile << ", should be " << model.Profile() << "; ";
   for (std::size_t i = 0; i < actions_.size(); ++i) {
     for (const At at : {At::kNull, At::kLeft, At::kRight}) {
-      if (at != At::kNull && !actions_[i].Declares(at)) continue;
+      if (at != At::kNull && !actions_[i].HasSubaction(at)) continue;
       const Answer is = Ask(app_, actions_[i].type, handles_[i], PathAt(at), false);
       const Answer below = Ask(app_, actions_[i].type, handles_[i], PathAt(at), true);
       const std::optional<ModelState> model_state = model.State(static_cast<int>(i), at);
@@ -307,8 +307,8 @@ std::string StackScenario::Run() {
   const XrSessionActionSetsAttachInfo attach{XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, nullptr, 3, sets_.data()};
   EXPECT_EQ(xrAttachSessionActionSets(app_.session, &attach), XR_SUCCESS);
   service_.SetFlags(0);
-  // Connected, and placement requested: until then the pen is not present. No sync so far.
-  for (int i = 0; i < 2000 && service_.heard().placement_requests.empty(); ++i) {
+  // Connected, and base pose requested: until then the pen is not present. No sync so far.
+  for (int i = 0; i < 2000 && service_.heard().base_pose_requests.empty(); ++i) {
     service_.Fill();
     app_.Poll();
     const timespec pause{0, 2'000'000};
@@ -331,7 +331,7 @@ std::string StackScenario::Run() {
     sync_.runtime.clear();
     for (std::size_t i = 0; i < actions_.size(); ++i) {
       for (const At at : {At::kNull, At::kLeft, At::kRight}) {
-        if (at != At::kNull && !actions_[i].Declares(at)) continue;
+        if (at != At::kNull && !actions_[i].HasSubaction(at)) continue;
         const Answer a = Ask(app_, actions_[i].type, handles_[i], PathAt(at), true);
         sync_.runtime[{static_cast<int>(i), at}] = {a.active, a.x, a.y, a.t};
       }

@@ -321,7 +321,7 @@ TEST(PcmBacklog, AcceptsAsMuchAsTheBufferHolds) {
     pcm.samples.resize(1 + random() % 4000);
     bool continues = false;
     const double now_s = 1e-9 * static_cast<double>(now_ns);
-    const std::uint32_t taken = backlog.Book(action, pcm, now_ns, continues);
+    const std::uint32_t taken = backlog.ReserveSamples(action, pcm, now_ns, continues);
     const double rate_Hz = static_cast<double>(pcm.waveform.sample_rate_Hz);
     EXPECT_EQ(continues, end_s > now_s + 1e-9) << i;
     end_s = std::max(end_s, now_s) + taken / rate_Hz;

@@ -237,8 +237,8 @@ TEST_F(ForceRules, SessionEndStopsForcesAndReleasesDevice) {
   }));
 }
 
-// [Valid usage] an invalid space or time is an error also where the base's placement is unknown.
-TEST_F(ForceRules, ArgumentsAreCheckedWithoutKnownPlacement) {
+// [Valid usage] an invalid space or time is an error also where the base's pose is unknown.
+TEST_F(ForceRules, ArgumentsAreCheckedWithoutKnownBasePose) {
   protocol::BasePose unknown;
   unknown.uncalibrated = protocol::Uncalibrated::kCalibrated;
   service_.SetBasePose(unknown);

@@ -18,7 +18,7 @@ std::string Content(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::string Printed(const std::string& command) {
+std::string Format(const std::string& command) {
   std::string text;
   std::FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) return text;
@@ -41,7 +41,7 @@ void ForEachRule(Visit visit) {
 // "Suite.Name" of every test in this program, or in build/tests/test_NAME.
 std::set<std::string> TestsOf(const std::string& program) {
   std::set<std::string> tests;
-  std::istringstream lines(Printed("'" OMNI_BINARY_DIR "/tests/test_" + program + "' --gtest_list_tests"));
+  std::istringstream lines(Format("'" OMNI_BINARY_DIR "/tests/test_" + program + "' --gtest_list_tests"));
   std::string suite;
   for (std::string line; std::getline(lines, line);) {
     line = line.substr(0, line.find_first_of("#\r"));
@@ -111,7 +111,7 @@ TEST(Faults, LayerSourcesContainNoFaults) {
 }
 
 TEST(Rules, GeneratedPageMatchesCommittedPage) {
-  const std::string printed = Printed("'" OMNI_BINARY_DIR "/bin/layer_rules_page'");
+  const std::string printed = Format("'" OMNI_BINARY_DIR "/bin/layer_rules_page'");
   ASSERT_FALSE(printed.empty());
   EXPECT_TRUE(printed == Content(OMNI_SOURCE_DIR "/docs/howto/openxr-rules.md"))
       << "run " OMNI_BINARY_DIR "/bin/layer_rules_page > docs/howto/openxr-rules.md";
@@ -124,7 +124,7 @@ TEST(Faults, ShippedLibraryContainsNoFaults) {
   EXPECT_EQ(library.find("OMNI_LAYER_FAULT"), std::string::npos);
   for (const auto& [fault, what] : Table().at("faults").items())
     EXPECT_EQ(library.find(fault), std::string::npos) << fault;
-  EXPECT_EQ(Printed("nm -C '" OMNI_BINARY_DIR "/lib/libXrApiLayer_omni.so'").find("FaultIs"), std::string::npos);
+  EXPECT_EQ(Format("nm -C '" OMNI_BINARY_DIR "/lib/libXrApiLayer_omni.so'").find("FaultIs"), std::string::npos);
 }
 
 }  // namespace test_rules

@@ -1,4 +1,4 @@
-// A measured placement end to end: an OpenXR application, the loader, the layer, omnid, the twin. It holds when
+// A measured base pose end to end: an OpenXR application, the loader, the layer, omnid, the twin. It holds when
 // the user recentres the headset, when omnid is restarted, and for the application that comes next.
 #include <gtest/gtest.h>
 
@@ -92,12 +92,12 @@ void StoreInLocal(const std::string& socket_path) {
   ASSERT_TRUE(stored.ok()) << stored.error();
 }
 
-TEST(AlignmentStack, PlacementHoldsThroughRecentringAndRestarts) {
+TEST(AlignmentStack, BasePoseHoldsThroughRecentringAndRestarts) {
   omni_test_reset();
   StackService service(OMNI_SOURCE_DIR "/scenes/extrusion.glb", kLying);
   auto viewer = std::make_unique<Viewer>();
   StoreInLocal(service.socket_path());
-  ASSERT_TRUE(viewer->SeesThePen()) << "TRACKED from the placement on";
+  ASSERT_TRUE(viewer->SeesThePen()) << "TRACKED from the base pose on";
   const glm::dvec3 in_stage = viewer->PenInStage(), in_local = viewer->PenInLocal();
   const auto moved_mm = [&] { return 1e3 * glm::length(viewer->PenInStage() - in_stage); };
 
@@ -110,7 +110,7 @@ TEST(AlignmentStack, PlacementHoldsThroughRecentringAndRestarts) {
   EXPECT_EQ(service.Stop(), 0);
   ASSERT_TRUE(viewer->LosesThePen());
   service.Start();
-  ASSERT_TRUE(viewer->SeesThePen()) << "omnid has kept the placement, and what became of LOCAL";
+  ASSERT_TRUE(viewer->SeesThePen()) << "omnid has kept the base pose, and what became of LOCAL";
   const double restart_mm = moved_mm();
   EXPECT_LT(restart_mm, kHand_mm);
 

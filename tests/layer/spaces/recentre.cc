@@ -87,7 +87,7 @@ TEST_F(SpacesRecentre, ChangeOfAnotherSpaceIsIgnored) {
   EXPECT_LT(glm::length(Locate(pen, local, Now_ns()).p() - in_local), 1e-5);
 }
 
-// poseValid false: the base's placement is unknown. VALID stays, TRACKED is cleared, and it is logged once.
+// poseValid false: the base's pose is unknown. VALID stays, TRACKED is cleared, and it is logged once.
 TEST_F(SpacesRecentre, UnknownChangeClearsTracked) {
   const std::string log = std::string(std::getenv("OMNI_SOCKET")) + ".log";
   std::filesystem::remove(log);
@@ -142,8 +142,8 @@ TEST(BasePoseHistoryTest, BaseStaysInPlaceThroughRandomChanges) {
   }
 }
 
-// A placement measured now applies to the present origin; a pending change still comes.
-TEST(BasePoseHistoryTest, NewPlacementKeepsPendingChanges) {
+// A base pose measured now applies to the present origin; a pending change still comes.
+TEST(BasePoseHistoryTest, NewBasePoseKeepsPendingChanges) {
   std::mt19937 random(6);
   BasePoseHistory history;
   const Pose pending = RandomPose(random);
@@ -157,7 +157,7 @@ TEST(BasePoseHistoryTest, NewPlacementKeepsPendingChanges) {
   EXPECT_LT(glm::length(history.At(std::numeric_limits<XrTime>::min()).X_LO.p - X_LO.p), 1e-12);
 }
 
-TEST(BasePoseHistoryTest, NewPlacementRestoresTrackingAfterUnknownMove) {
+TEST(BasePoseHistoryTest, NewBasePoseRestoresTrackingAfterUnknownMove) {
   BasePoseHistory history;
   EXPECT_TRUE(history.At(5).tracked);
   EXPECT_FALSE(history.OnChange(Change(XR_REFERENCE_SPACE_TYPE_LOCAL, 10, {}, false)));

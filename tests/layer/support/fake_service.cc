@@ -32,14 +32,14 @@ std::int64_t Now_ns() {
 }
 
 protocol::BasePose InFrontOfLocal() {
-  protocol::BasePose placement;
+  protocol::BasePose base_pose;
   const double h = std::sqrt(0.5);
-  placement.known = 1;
-  placement.base_space = {.position_m = {0, -0.35, -0.45}, .orientation_wxyz = {h, -h, 0, 0}};
-  return placement;
+  base_pose.known = 1;
+  base_pose.base_space = {.position_m = {0, -0.35, -0.45}, .orientation_wxyz = {h, -h, 0, 0}};
+  return base_pose;
 }
 
-FakeService::FakeService() : placement_(InFrontOfLocal()) {
+FakeService::FakeService() : base_pose_(InFrontOfLocal()) {
   trajectory_ = [](protocol::ToolSample& sample) { sample.position_base_m = {0, 0, 0.06}; };
   const std::uint64_t instance = NextServiceInstance();
   auto publisher = ipc::StatePublisher::Create(instance);
@@ -158,10 +158,10 @@ void FakeService::SetForce(bool available, protocol::ForceStanding standing) {
   owner_->standing = standing;
 }
 
-void FakeService::SetBasePose(const protocol::BasePose& placement) {
+void FakeService::SetBasePose(const protocol::BasePose& base_pose) {
   const std::lock_guard lock(mutex_);
-  placement_ = placement;
-  placement_changed_ = true;
+  base_pose_ = base_pose;
+  base_pose_changed_ = true;
 }
 
 void FakeService::SetSurfaces(std::shared_ptr<const ipc::SurfacePublisher> surfaces) {
@@ -210,9 +210,9 @@ struct FakeService::RequestHandler {
   void operator()(const protocol::HapticMaterial& m) const { service.Hear(service.heard_.scene_materials, m); }
   void operator()(const protocol::BasePoseRequest& request) const {
     const std::lock_guard lock(service.mutex_);
-    service.heard_.placement_requests.push_back(request);
+    service.heard_.base_pose_requests.push_back(request);
     service.placed_.push_back(id);
-    service.server_->Send(id, service.placement_);
+    service.server_->Send(id, service.base_pose_);
   }
   void operator()(const protocol::SpaceChange& change) const { service.Hear(service.heard_.space_changes, change); }
   void operator()(const protocol::SceneCommand& /*command*/) const {}
@@ -226,12 +226,12 @@ void FakeService::OnRequest(ipc::ClientId id, const protocol::Request& request, 
 
 void FakeService::OnPeriod(std::int64_t) {
   const std::lock_guard lock(mutex_);
-  if (placement_changed_) {
-    for (const ipc::ClientId id : placed_) server_->Send(id, placement_);
-    placement_changed_ = false;
+  if (base_pose_changed_) {
+    for (const ipc::ClientId id : placed_) server_->Send(id, base_pose_);
+    base_pose_changed_ = false;
   }
   if (client_ == 0) return;
-  if (const auto life = server_->Life(client_)) beats_ = life->beat.load();
+  if (const auto life = server_->LifePageOf(client_)) beats_ = life->beat.load();
   if (settings_due_) server_->Send(client_, settings_);
   settings_due_ = false;
   if (properties_ && server_->Send(client_, *properties_)) properties_.reset();

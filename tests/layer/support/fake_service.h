@@ -34,7 +34,7 @@ struct Heard {
   std::vector<Shaped> waveforms;
   int haptic_stops = 0;
   std::vector<protocol::ForceRequest> forces;
-  std::vector<protocol::BasePoseRequest> placement_requests;
+  std::vector<protocol::BasePoseRequest> base_pose_requests;
   std::vector<protocol::SpaceChange> space_changes;
   int gone = 0;
   // Of the scene that the application gave itself.
@@ -90,9 +90,9 @@ class FakeService : private ipc::ServerHandler {
   void SetContacts(const protocol::ContactSnapshot& contacts) { contacts_ = contacts; }
   // The surfaces that clients get, now and on request.
   void SetSurfaces(std::shared_ptr<const ipc::SurfacePublisher> surfaces);
-  // Its answer to placement requests, also sent to clients that asked before. At first: known, in front
+  // Its answer to base_pose requests, also sent to clients that asked before. At first: known, in front
   // of the origin of LOCAL, where the layer also guesses it.
-  void SetBasePose(const protocol::BasePose& placement);
+  void SetBasePose(const protocol::BasePose& base_pose);
 
   Heard heard() const;
   std::uint64_t beats() const { return beats_; }
@@ -132,8 +132,8 @@ class FakeService : private ipc::ServerHandler {
   ipc::ClientId client_ = 0;
   std::optional<protocol::ForceProperties> properties_;  // to be sent; none: sent
   std::optional<protocol::ForceOwner> owner_;
-  protocol::BasePose placement_;
-  bool placement_changed_ = false;
+  protocol::BasePose base_pose_;
+  bool base_pose_changed_ = false;
   std::vector<ipc::ClientId> placed_;
   std::atomic<std::uint64_t> beats_{0};
   std::unique_ptr<ipc::StatePublisher> publisher_;

@@ -222,7 +222,7 @@ class FakeUsbBus final : public device::UsbBus {
     return entry;
   }
 
-  base::Result<std::vector<device::UsbBase>> List() override {
+  base::Result<std::vector<device::UsbBase>> ListBases() override {
     std::vector<device::UsbBase> bases;
     for (const auto& entry : entries) bases.push_back(entry->listed);
     return bases;

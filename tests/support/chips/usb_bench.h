@@ -47,7 +47,7 @@ struct UsbBench {
   ChipideaModel controller;
   UsbHandler handler;
   Device device{controller, handler, *memory, "0123456789abcdef"};
-  UsbHost host{controller, [this] { device.Interrupt(); }};
+  UsbHost host{controller, [this] { device.HandleInterrupt(); }};
 };
 
 }  // namespace omni::support

@@ -139,7 +139,7 @@ class TestApplication {
     const std::int64_t end_ns = base::MonotonicNow_ns() + static_cast<std::int64_t>(ms) * 1'000'000;
     while (base::MonotonicNow_ns() < end_ns) {
       connection_.Poll(base::MonotonicNow_ns());
-      connection_.Beat();
+      connection_.SignalAlive();
       if (until()) return true;
       SleepMs(period_ms);
     }
@@ -163,7 +163,7 @@ class TestApplication {
   double Force_N() const {
     const auto state = connection_.state();
     protocol::ToolSample sample;
-    if (state == nullptr || !state->Newest(sample)) return 0;
+    if (state == nullptr || !state->ReadNewest(sample)) return 0;
     const auto& f = sample.force_base_N;
     return std::sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
   }

@@ -80,7 +80,7 @@ class Person {
     const double then_s = t_s - noise_.late_s;
     const Vector3d p_then_B = options_.method == tools::AlignMethod::kSweep ? SweepAt(then_s) : p_B;
     const Quaterniond q_LC = HeldAt(then_s, session);
-    const Vector3d at_L = ToEigen(alignment::Apply(truth_, FromEigen(p_then_B)));
+    const Vector3d at_L = ToEigen(alignment::TransformPoint(truth_, FromEigen(p_then_B)));
     Vector3d p_LC = at_L - q_LC * tip_ + drift_.Next(random_) + ToEigen(random_.NormalVector(noise_.white_m));
     const Quaterniond q_seen = Turn(turn_.Next(random_) + ToEigen(random_.NormalVector(noise_.white_rad))) * q_LC;
     if (random_.Uniform() < noise_.jumps) {
@@ -173,7 +173,7 @@ AlignTrial SimulateAlignment(const tools::AlignOptions& options, const AlignNois
   if (trial.refused) return trial;
   trial.outcome = session.outcome();
   if (options.method == tools::AlignMethod::kCheck) {
-    const base::Vec3 mark_m = alignment::Apply(trial.truth, options.marks[0].position_base_m);
+    const base::Vec3 mark_m = alignment::TransformPoint(trial.truth, options.marks[0].position_base_m);
     trial.error_m = base::Distance(session.mark_space_m(), mark_m);
     return trial;
   }

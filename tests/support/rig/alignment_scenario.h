@@ -46,7 +46,7 @@ class AlignmentScenario {
   alignment::Sample At(const alignment::Rigid& X_LB, const base::Vec3& p_B, const base::Vec3& tip, double noise_m,
                        int group) {
     const Eigen::Quaterniond q_LC = Turn(0.7);
-    const Eigen::Vector3d p_L = base::ToEigen(alignment::Apply(X_LB, p_B)) + Normal(noise_m);
+    const Eigen::Vector3d p_L = base::ToEigen(alignment::TransformPoint(X_LB, p_B)) + Normal(noise_m);
     return {.t_s = time_s_ += 0.03,
             .controller_space = {.orientation = base::FromEigen(q_LC),
                                  .position_m = base::FromEigen(Eigen::Vector3d(p_L - q_LC * base::ToEigen(tip)))},

@@ -87,7 +87,7 @@ class LedScenario {
       if (tick_ % kLook_ticks != 0 || person_stalls_.Stalled(t_s_)) continue;
       tools::Perceived seen = Perceive();
       seen.t_s = t_s_;
-      if (const auto aim = task.Next(seen)) guide_->newest = *aim;
+      if (const auto aim = task.NextAim(seen)) guide_->newest = *aim;
     }
     return task.done();
   }

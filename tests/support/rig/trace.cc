@@ -50,7 +50,7 @@ class Run {
     base_.Tick(row.scan);
     const std::int64_t at_ns = row.scan.t_ns - Loopback::kClockStart_ns;
     if (plant_.motion != nullptr) {
-      const PenMotion::State state = plant_.motion->At(Seconds(at_ns));
+      const PenMotion::State state = plant_.motion->StateAt(Seconds(at_ns));
       row.pose = state.pose;
       row.velocity_base_m_s = state.velocity_base_m_s;
     }

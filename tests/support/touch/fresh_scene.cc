@@ -26,12 +26,12 @@ void FreshScene::Renew() {
   copy_ = std::make_shared<const haptics::Scene>(FreshCopy(original_));
   scene_ = copy_.get();
   editor_.Add(1, "the scene", copy_);
-  editor_.Enter(*copy_);
+  editor_.EnterScene(*copy_);
 }
 
 void FreshScene::Drop() {
   if (copy_ == nullptr) return;
-  editor_.Leave(*copy_);
+  editor_.LeaveScene(*copy_);
   editor_.Remove(*copy_);
   copy_ = nullptr;
 }

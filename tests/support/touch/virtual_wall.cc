@@ -114,7 +114,7 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario
   const haptics::Config config = ConfigFor(loop, rule);
   haptics::State state;
   haptics::Output output;
-  haptics::Enter(scene, state);
+  haptics::EnterScene(scene, state);
   haptics::Input input{.tracked = true, .limit = UsualLimit()};
   // A delay of zero means "unknown" to haptics.
   input.delay_s = rule == WallRule::kBounded ? std::max(loop.delay_s, 1e-9) : 1e-9;
@@ -148,7 +148,7 @@ WallRun PressWall(const WallHand& hand, const WallLoop& loop, const WallScenario
         sent.pop_front();
       }
       base::Vec3 wanted_m{0, 0, Wanted_m(scenario, t_s)}, rate_m_s;
-      if (scenario.tremor_m > 0) tremor.Add(t_s, wanted_m, rate_m_s);
+      if (scenario.tremor_m > 0) tremor.AddTo(t_s, wanted_m, rate_m_s);
       plant.SubStep(wanted_m.z, commanded_N);
     }
     run.force_N.push_back(plant.force_N());

@@ -166,7 +166,7 @@ void BrakeAndReset() {
   retained().crashed = kCrashed;
   for (std::uint32_t waited = 0; waited < kBrake_us; waited += kFeedEvery_us) {
     FeedWatchdog();
-    Spin(kFeedEvery_us);
+    BusyWait(kFeedEvery_us);
   }
   for (const Signal awake : {Signal::kBridgeAwake0, Signal::kBridgeAwake1, Signal::kBridgeAwake2}) SetPin(awake, false);
   DataBarrier();

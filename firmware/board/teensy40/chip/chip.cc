@@ -45,7 +45,7 @@ firmware::Settings ChipSettings() noexcept {
   constexpr int kNumberDigits = 10;
   firmware::Settings settings;
   static_assert(sizeof settings.serial == sizeof kPrefix + kNumberDigits + 1, "text and its end");
-  const std::uint64_t number = std::uint64_t{Word(kFuseUnique1)} << 32 | Word(kFuseUnique0);
+  const std::uint64_t number = std::uint64_t{RegisterAt(kFuseUnique1)} << 32 | RegisterAt(kFuseUnique0);
   char* text = settings.serial;
   for (const char letter : kPrefix) *text++ = letter;
   for (int i = kNumberDigits - 1; i >= 0; --i) *text++ = kDigits[number >> (4 * i) & 0xF];
@@ -54,14 +54,14 @@ firmware::Settings ChipSettings() noexcept {
 }
 
 firmware::ResetCause PopResetCause(bool crashed) noexcept {
-  const std::uint32_t status = Word(kResetStatus);
-  Word(kResetStatus) = status;
+  const std::uint32_t status = RegisterAt(kResetStatus);
+  RegisterAt(kResetStatus) = status;
   if (crashed || (status & kResetByWatchdogs) != 0) return firmware::ResetCause::kWatchdog;
   return (status & kResetBySoftware) != 0 ? firmware::ResetCause::kSoftware : firmware::ResetCause::kPower;
 }
 
 void Thermometer::Start() noexcept {
-  const std::uint32_t fuse = Word(kFuseThermometer);
+  const std::uint32_t fuse = RegisterAt(kFuseThermometer);
   room_count_ = static_cast<std::int32_t>(fuse >> 20);
   hot_count_ = static_cast<std::int32_t>(fuse >> 8 & 0xFFF);
   hot_C_ = static_cast<std::int32_t>(fuse & 0xFF);

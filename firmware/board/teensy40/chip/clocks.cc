@@ -24,10 +24,10 @@ void WaitLock(const Twin& pll) noexcept {
 }
 
 void RaiseVoltage() noexcept {
-  const std::uint32_t now = Word(kDcdcReg3);
+  const std::uint32_t now = RegisterAt(kDcdcReg3);
   if ((now & kDcdcTargetMask) >= kCoreVoltage) return;
-  Word(kDcdcReg3) = (now & ~kDcdcTargetMask) | kCoreVoltage;
-  while ((Word(kDcdcReg0) & kDcdcOk) == 0) {
+  RegisterAt(kDcdcReg3) = (now & ~kDcdcTargetMask) | kCoreVoltage;
+  while ((RegisterAt(kDcdcReg0) & kDcdcOk) == 0) {
   }
 }
 

@@ -28,9 +28,9 @@ void SetUpPins() noexcept {
     if (pin.output) Rest(pin);
   }
   for (const Pin& pin : kPins) {
-    Word(MuxAddress(pin) + kPadControlOffset) = pin.control;
-    if (pin.input_select != 0) Word(kIomuxBase + pin.input_select) = pin.input_value;
-    Word(MuxAddress(pin)) = pin.function;
+    RegisterAt(MuxAddress(pin) + kPadControlOffset) = pin.control;
+    if (pin.input_select != 0) RegisterAt(kIomuxBase + pin.input_select) = pin.input_value;
+    RegisterAt(MuxAddress(pin)) = pin.function;
   }
 }
 
@@ -43,7 +43,7 @@ void SetPin(Signal signal, bool high) noexcept {
 void PwmPadsToGround() noexcept {
   for (const Signal signal : {Signal::kBridgePwm0, Signal::kBridgePwm1, Signal::kBridgePwm2}) {
     SetPin(signal, false);
-    Word(MuxAddress(PinOf(signal))) = kAsGpio;
+    RegisterAt(MuxAddress(PinOf(signal))) = kAsGpio;
   }
 }
 

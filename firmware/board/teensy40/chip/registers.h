@@ -15,7 +15,7 @@ struct Gap {
 };
 
 // RM IOMUXC_GPR, GPR1 at +4.
-inline Reg32& Gpr(std::uint32_t number) noexcept { return Word(0x400AC000 + 4 * number); }
+inline Reg32& Gpr(std::uint32_t number) noexcept { return RegisterAt(0x400AC000 + 4 * number); }
 
 // RM Clock Controller Module (CCM).
 struct Ccm {

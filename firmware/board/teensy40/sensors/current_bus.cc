@@ -140,7 +140,7 @@ void CurrentBus::Advance() noexcept {
   }
 }
 
-void CurrentBus::Interrupt() noexcept {
+void CurrentBus::HandleInterrupt() noexcept {
   if (!busy_) {
     lpi2c1().MIER = 0;
     return;
@@ -168,9 +168,9 @@ drivers::BusStatus CurrentBus::Transfer(std::uint8_t address, const std::uint8_t
   job.out_size = static_cast<std::uint8_t>(out_size);
   job.read = in_size != 0;
   nvic::Disable(Irq::kLpi2c1);
-  const std::uint32_t begin = Timebase::Low();
+  const std::uint32_t begin = Timebase::NowLow32_us();
   Begin(&job, 1);
-  while (busy_ && Timebase::Low() - begin < kPollBound_us) Interrupt();
+  while (busy_ && Timebase::NowLow32_us() - begin < kPollBound_us) HandleInterrupt();
   if (busy_) GiveUp();
   nvic::Enable(Irq::kLpi2c1, Priority::kHigh);
   for (std::size_t i = 0; i < in_size; ++i) in[i] = job.in[i];

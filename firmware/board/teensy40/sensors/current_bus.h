@@ -33,7 +33,7 @@ class CurrentBus {
   // session is aborted: its unfinished jobs keep kTimeout.
   void Begin(I2cJob* jobs, int count) noexcept;
   bool busy() const noexcept { return busy_; }
-  void Interrupt() noexcept;
+  void HandleInterrupt() noexcept;
 
   // firmware/drivers/ina260.h: one job, polled with the interrupt masked, at most
   // kPollBound_us. Never while a session of Begin runs; the interrupt is unmasked afterwards.

@@ -62,7 +62,7 @@ void CurrentSense::TakeCurrent(int coil) noexcept {
   answers_ = static_cast<std::uint8_t>(answers_ | bit);
 }
 
-void CurrentSense::Collect(firmware::Inputs& inputs) noexcept {
+void CurrentSense::CollectReadings(firmware::Inputs& inputs) noexcept {
   if (!paused_ && job_count_ != 0) {
     for (int coil = 0; coil < wire::kCoils; ++coil) TakeCurrent(coil);
     const I2cJob& supply = jobs_[kSupply];
@@ -128,7 +128,7 @@ bool CurrentSense::CheckJob(I2cJob& job) noexcept {
   return true;
 }
 
-void CurrentSense::Request(std::uint8_t lines_low, bool nothing_driven) noexcept {
+void CurrentSense::RequestReadings(std::uint8_t lines_low, bool nothing_driven) noexcept {
   if (paused_) return;
   ++step_;
   job_count_ = 0;
@@ -146,8 +146,8 @@ void CurrentSense::Maintain() noexcept {
     if (running(chip)) continue;
     next_start_ = (chip + 1) % kChips;
     paused_ = true;
-    const std::uint32_t begin = Timebase::Low();
-    while (bus_.busy() && Timebase::Low() - begin < CurrentBus::kPollBound_us) {
+    const std::uint32_t begin = Timebase::NowLow32_us();
+    while (bus_.busy() && Timebase::NowLow32_us() - begin < CurrentBus::kPollBound_us) {
     }
     if (chips_[chip].Start(ModeOf(chip), limit_counts_) == drivers::ChipStatus::kOk) lost_[chip] = false;
     if (chip < wire::kCoils) alerts_[chip] = Alert();

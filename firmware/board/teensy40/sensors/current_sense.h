@@ -27,17 +27,17 @@ class CurrentSense {
   void Start() noexcept;
 
   // The results since Request: currents, supply, which chips answer.
-  void Collect(firmware::Inputs& inputs) noexcept;
+  void CollectReadings(firmware::Inputs& inputs) noexcept;
   // Starts the reads for the next Collect, and at most one more transfer: an alert's side, the release of a latched
   // alert (`lines_low`: coils whose fault line is low; only while `nothing_driven`), or a check of a chip's
   // configuration.
-  void Request(std::uint8_t lines_low, bool nothing_driven) noexcept;
+  void RequestReadings(std::uint8_t lines_low, bool nothing_driven) noexcept;
 
   // Main loop, only while all bridges sleep: starts a chip that is not running, one per call. Meanwhile Collect repeats
   // its values, for at most 20 ms.
   void Maintain() noexcept;
 
-  void Interrupt() noexcept { bus_.Interrupt(); }
+  void HandleInterrupt() noexcept { bus_.HandleInterrupt(); }
 
  private:
   using Chip = drivers::Ina260<CurrentBus>;

@@ -24,7 +24,7 @@ void HallArray::Look(std::uint64_t now_us) noexcept {
     Channel& channel = channels_[i];
     const bool silent = channel.quiet_steps % kSilentSteps >= kSilentSteps - 2;
     if (channel.waits || (!channel.answers && !silent)) continue;  // an undriven line would look new every time
-    channel.waits = channel.chip.Look() == drivers::ChipStatus::kOk || silent;
+    channel.waits = channel.chip.CheckForSample() == drivers::ChipStatus::kOk || silent;
     channel.seen_us = now_us;
   }
 }

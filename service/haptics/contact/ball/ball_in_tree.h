@@ -223,7 +223,7 @@ class BallDescent {
   // Over the triangle's plane, before the move and after it: then the plane is not met, let alone the triangle.
   bool StaysOver(const Corners& corners, const Vec3& move, double over_m) const noexcept {
     const Vec3 area = AreaVector(corners);
-    const double before = Height(corners, area, centre_), after = before + Dot(area, move);
+    const double before = ScaledHeight(corners, area, centre_), after = before + Dot(area, move);
     const double least = before * after > 0 ? std::min(before * before, after * after) : 0;
     return least > over_m * over_m * SquaredNorm(area);
   }
@@ -306,7 +306,7 @@ template <TreeView View>
 BallState StartBall(const View& view, std::uint32_t root, bool closed, double radius_m,
                     const Vec3& device_point_m) noexcept {
   constexpr int kTries = 48;  // twice as far each time: 1e-6 m to out of any scene
-  if (!Within(device_point_m, kFarthestBall_m)) return {};
+  if (!IsWithin(device_point_m, kFarthestBall_m)) return {};
   const NearestResult nearest = NearestInTree(view, root, device_point_m);
   const auto is_free = [&](const NearestResult& at, const Vec3& centre) noexcept {
     const double kept_m = radius_m * (1 - kBallMargin);
@@ -331,7 +331,7 @@ BallState StartBall(const View& view, std::uint32_t root, bool closed, double ra
 template <TreeView View>
 BallContact FollowBall(const View& view, std::uint32_t root, double radius_m, const Vec3& device_point_m,
                        BallState& state) noexcept {
-  if (!Within(device_point_m, kFarthestBall_m)) return {};
+  if (!IsWithin(device_point_m, kFarthestBall_m)) return {};
   BallDescent<View> descent(view, root, radius_m, device_point_m, state.centre_m);
   const BallContact contact = descent.Run(device_point_m - state.device_point_m);
   state = {descent.centre(), device_point_m};

@@ -83,7 +83,7 @@ bool GatherNear(const View& view, std::uint32_t root, const Vec3& p, double dist
   const double slack_m = FloatSlack(view.TreeExtent(), LargestComponent(p));
   const float bound = SquaredBound(distance_m, slack_m);
   const __m128 bound_lanes = _mm_set1_ps(bound);
-  const Lanes3 lanes = Spread(p);
+  const Lanes3 lanes = Broadcast(p);
   std::array<std::uint32_t, (kTreeWidth - 1) * kMaxTreeDepth + kTreeWidth> stack;
   std::size_t size = 0;
   stack[size++] = root;

@@ -48,7 +48,7 @@ std::uint64_t TouchedObjects(const State& state) noexcept {
 // Where there are more contacts than slots, the ball of the one that is left out is lost.
 void KeepBall(const ContactState& contact, State& state) noexcept {
   const std::uint64_t known = TouchedObjects(state) | std::uint64_t{1} << contact.object;
-  Keep(contact, state);
+  KeepContact(contact, state);
   state.ball_restarts |= known & ~TouchedObjects(state);
 }
 
@@ -161,7 +161,7 @@ void StartBalls(const ContactScene& contact_scene, State& state) noexcept {
     if ((objects[i].flags & kCollidable) == 0) continue;
     const Target target = contact_scene.TargetOf(i);
     if (target.boxed && BoxDistance(target.object, target.tip) > radius_m) continue;
-    contact_scene.On(i, [&](const auto& view) noexcept {
+    contact_scene.VisitSurface(i, [&](const auto& view) noexcept {
       ContactState contact = NewContact(i);
       if (!RestartBall(view, target, radius_m, target.tip, contact)) return;
       contact.popped = state.appears;
@@ -175,7 +175,8 @@ void UpdateBalls(const ContactScene& contact_scene, double dt_s, State& state) n
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
     if ((objects[i].flags & kCollidable) == 0) continue;
     const Target target = contact_scene.TargetOf(i);
-    contact_scene.On(i, [&](const auto& view) noexcept { UpdateBall(view, target, contact_scene, dt_s, state); });
+    contact_scene.VisitSurface(
+        i, [&](const auto& view) noexcept { UpdateBall(view, target, contact_scene, dt_s, state); });
   }
 }
 

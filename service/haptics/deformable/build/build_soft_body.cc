@@ -44,7 +44,7 @@ base::Status CheckSoftOptions(const SoftBodyOptions& o) {
     return base::Error{std::string("soft body: ") + r.name + " " + std::to_string(r.value) + " is outside [" +
                        std::to_string(r.lower) + ", " + std::to_string(r.upper) + "]"};
   }
-  if (!Within(o.fibre, 1e6)) return base::Error{"soft body: the fibre direction is not a number"};
+  if (!IsWithin(o.fibre, 1e6)) return base::Error{"soft body: the fibre direction is not a number"};
   return base::Ok{};
 }
 

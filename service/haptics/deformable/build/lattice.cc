@@ -78,7 +78,7 @@ class Stuffer {
     side_.reserve(grid.Points());
     for (std::uint32_t p = 0; p < grid.Points(); ++p) {
       position_.push_back(grid.Position(p));
-      side_.push_back(field.Inside(position_[p]) ? 1 : -1);
+      side_.push_back(field.IsInside(position_[p]) ? 1 : -1);
     }
   }
 
@@ -119,7 +119,7 @@ class Stuffer {
     const Vec3 step = position_[out] - position_[in];
     for (int k = 0; k < kBisections; ++k) {
       const double middle = 0.5 * (lo + hi);
-      (field_.Inside(position_[in] + middle * step) ? lo : hi) = middle;
+      (field_.IsInside(position_[in] + middle * step) ? lo : hi) = middle;
     }
     const double t = 0.5 * (lo + hi);
     return {in, out, t, position_[in] + t * step};
@@ -301,7 +301,7 @@ base::Status CheckLatticeInput(std::span<const Vec3> vertices, Triangles triangl
   }
   if (vertices.empty() || triangles.empty()) return base::Error{"soft body: the mesh is empty"};
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (!Within(vertices[i], 1e3)) {
+    if (!IsWithin(vertices[i], 1e3)) {
       return base::Error{"soft body: vertex " + std::to_string(i) + " is not finite or beyond 1 km"};
     }
   }

@@ -42,7 +42,7 @@ class Front {
       if (distance_m != known_[at].distance_m) continue;  // queued again, nearer
       if (!known_[at].settled) result_.push_back({vertex, distance_m});
       known_[at].settled = true;
-      Spread(vertex, distance_m);
+      Broadcast(vertex, distance_m);
     }
     for (GeodesicVertex& v : result_) v.distance_m = known_[place_.Find(v.vertex)].distance_m;
     std::sort(result_.begin(), result_.end(), [](const GeodesicVertex& a, const GeodesicVertex& b) {
@@ -59,7 +59,7 @@ class Front {
   using Entry = std::pair<double, std::uint32_t>;
 
   // Every edge around the vertex whose other end is known is a pair to unfold the triangles on both its sides from.
-  void Spread(std::uint32_t vertex, double distance_m) {
+  void Broadcast(std::uint32_t vertex, double distance_m) {
     const Vec3& here = mesh_.VertexPosition(vertex);
     const std::uint32_t start = mesh_.FirstTriangle(vertex);
     std::uint32_t current = start;

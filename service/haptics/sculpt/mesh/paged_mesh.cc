@@ -193,7 +193,7 @@ void PagedMesh::Apply(const UndoStep& step) {
 PublishReport PagedMesh::Publish() {
   PublishReport report;
   if (dirty_.empty()) return report;
-  SculptTable* table = publisher_.Spare();
+  SculptTable* table = publisher_.SpareTable();
   if (table == nullptr) return report;
   for (const std::uint32_t page : dirty_) {
     Slot& slot = slots_[page];

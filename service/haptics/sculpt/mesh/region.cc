@@ -110,7 +110,7 @@ double LongestStep(const PagedMesh& mesh, const Region& region, const Patch& pat
   return std::sqrt(longest2);
 }
 
-std::size_t Displace(PagedMesh& mesh, const Region& region, const Patch& patch, double offset_m) {
+std::size_t DisplaceVertices(PagedMesh& mesh, const Region& region, const Patch& patch, double offset_m) {
   std::vector<Corners> before;
   before.reserve(patch.size());
   for (const PatchTriangle& t : patch) {
@@ -122,7 +122,7 @@ std::size_t Displace(PagedMesh& mesh, const Region& region, const Patch& patch, 
   for (std::size_t i = 0; i < region.size(); ++i) {
     old[i] = mesh.VertexPosition(region.vertex(i));
     const Vec3 moved = old[i] + offset_m * region.move(i);
-    stays[i] = !Within(moved, kMaxCoordinate_m);
+    stays[i] = !IsWithin(moved, kMaxCoordinate_m);
     if (!stays[i]) mesh.MoveVertex(region.vertex(i), moved);
   }
   // Put back the corners of what went wrong, until nothing is: at worst all stays as it was.

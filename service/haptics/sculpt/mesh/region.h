@@ -87,6 +87,6 @@ double LongestStep(const PagedMesh& mesh, const Region& region, const Patch& pat
 
 // p += offset_m * move. Vertices at which a triangle would lose its area or turn over stay where they are. Returns the
 // number of those.
-std::size_t Displace(PagedMesh& mesh, const Region& region, const Patch& patch, double offset_m);
+std::size_t DisplaceVertices(PagedMesh& mesh, const Region& region, const Patch& patch, double offset_m);
 
 }  // namespace omni::haptics::sculpt
