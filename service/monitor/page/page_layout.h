@@ -2,9 +2,8 @@
 // the bytes by it, and tests/monitor/contract prints it for those who read them (service/page/src/contract.ts).
 // An `Out` is PageBytes, or has its functions:
 //   Put(name, value)               a number, or an array of them
-//   PutAll(name, lengths, values)  one array: as many elements as the product of the fields `lengths` of this message
-//   and
-//                                  the numbers of one value; without `lengths` the rest of the message
+//   PutAll(name, lengths, values)  one array: as many values as the product of the fields `lengths` of this message;
+//                                  without `lengths` the rest of the message
 //   Object(name, put)              fields of their own
 //   Each(name, values, put)        the same, so many times as there are values: always as many
 #pragma once

@@ -189,7 +189,7 @@ void Artist::Run() {
     }
     const auto surfaces = connection_.surfaces();
     protocol::SurfacePulse pulse;
-    if (surfaces != nullptr && surfaces->Pulse(pulse) && pulse.poll_count != last_count) {
+    if (surfaces != nullptr && surfaces->ReadPulse(pulse) && pulse.poll_count != last_count) {
       last_count = pulse.poll_count;
       ++frames_;
       const std::int64_t last_ns = last_ns_.exchange(now_ns);

@@ -87,7 +87,7 @@ class RubbingTip {
     input_.limit.ampere_per_newton = {5, 0, 0, 0, 5, 0, 0, 0, 5};
     input_.limit.current_max_A = {150, 150, 150};
     input_.limit.force_max_N = 20;
-    haptics::Enter(scene_, state_);
+    haptics::EnterScene(scene_, state_);
   }
 
   const haptics::Output& MoveTo(const Vec3& tip) {

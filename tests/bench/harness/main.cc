@@ -82,7 +82,7 @@ void AddBenches(Command& app) {
     sub.Add("--resume", options->resume,
             "numbers: keeps here what is done, and goes on from it; of the same numbers and factor");
     sub.Add("--hours", options->hours, "stress: virtual time of the drift run").Range(0.0, 1000.0);
-    sub.Run([&bench, options, json_path] { return RunBench(bench, *options, *json_path); });
+    sub.SetAction([&bench, options, json_path] { return RunBench(bench, *options, *json_path); });
   }
 }
 

@@ -37,7 +37,7 @@ struct Plan {
 template <class Real>
 void TimeTracker(const Plan& plan, const tracker::Kernel& kernel, const char* precision) {
   const support::KernelScene<Real> scene(7, 1, true);
-  const tracker::KernelIn<Real>& in = tracker::In<Real>(kernel);
+  const tracker::KernelIn<Real>& in = tracker::KernelFor<Real>(kernel);
   const tracker::KernelTask task{tracker::kParameters, 6, true};
   tracker::JacobianBlock<Real> jacobian[1];
   tracker::KernelSums sums{};

@@ -121,7 +121,7 @@ void AddPaired(Command& app) {
   paired.Add("--seed", arguments->seed, "of the twin; the same for --record and the replays").ShowDefault();
   paired.Add("--replays", arguments->replays, "of each tick; the least counts").Range(1, 1000).ShowDefault();
   paired.Add("--json", arguments->json, "write {name, commit, machine, rows} here as well");
-  paired.Run(arguments, RunPaired);
+  paired.SetAction(arguments, RunPaired);
 }
 
 }  // namespace omni::bench

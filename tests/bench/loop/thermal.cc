@@ -83,8 +83,8 @@ Both Simulate(const base::DeviceGeometry& device, const Run& run) {
     }
     last_A = wanted_A[1];
     host.last_current_A = wanted_A;
-    coils.Set(wanted_A);
-    coils.Heat(kStep_s);
+    coils.SetCurrents(wanted_A);
+    coils.StepHeat(kStep_s);
     const double end_s = t_s + kStep_s;
     both.twin.body.Add(coils.body_C(), end_s);
     both.twin.copper.Add(*std::max_element(coils.temperature_C().begin(), coils.temperature_C().end()), end_s);

@@ -94,7 +94,7 @@ class StepPlayer {
     if (next_ > 0) scene_.Renew();
     next_ = 0;
     state_ = {};
-    haptics::Enter(scene_.scene(), state_);
+    haptics::EnterScene(scene_.scene(), state_);
   }
   void Step() {
     if (!moves_) return Step(inputs_[next_++]);
@@ -142,7 +142,7 @@ nlohmann::ordered_json FarRow(const char* name, const haptics::Scene& scene,
   const test::FreshScene fresh(scene);
   const haptics::Config config;
   const auto state = std::make_unique<haptics::State>();
-  haptics::Enter(fresh.scene(), *state);
+  haptics::EnterScene(fresh.scene(), *state);
   haptics::Output output;
   const auto step = [&](std::size_t i) { haptics::Step(config, fresh.scene(), inputs[i % kMoment], *state, output); };
   for (std::size_t i = 0; i < kSettle; ++i) step(i);

@@ -63,7 +63,7 @@ void AddPaper(Command& app) {
   paper.Add("--seed", arguments->options.seed, "of the first rig").ShowDefault();
   paper.Add("--rigs", arguments->options.rigs, "simulated devices, pooled").Range(1, 1000).ShowDefault();
   paper.Add("--poses", arguments->options.poses, "per rig and condition").Range(1, 100000).ShowDefault();
-  paper.Run(arguments, RunPaper);
+  paper.SetAction(arguments, RunPaper);
 }
 
 }  // namespace omni::bench

@@ -67,9 +67,9 @@ HeatCurve Simulate(const base::DeviceGeometry& device, const sim::ThermalConfig&
     }
     if (i == 0 || (on && t_s >= run.on_s)) {
       on = i == 0;
-      coils.Set({0, on ? run.current_A : 0, 0});
+      coils.SetCurrents({0, on ? run.current_A : 0, 0});
     }
-    coils.Heat(kStep_s);
+    coils.StepHeat(kStep_s);
     actuation::AdvanceHeat(host, coils.current_A(), kStep_s, believed);
   }
   return curve;

@@ -47,7 +47,7 @@ class Dashes final : public sim::PenMotion {
   double SinceStop_s(double t_s) const { return SinceStart_s(t_s) - ramp_s_ - kGlide_s; }
   std::size_t DashAt(double t_s) const { return static_cast<std::size_t>(Dashed(t_s)); }
 
-  State At(double t_s) const noexcept override {
+  State StateAt(double t_s) const noexcept override {
     const double sense = DashAt(t_s) % 2 == 0 ? 1 : -1, rate_m_s = sense * Speed_m_s(t_s);
     const double angle = sense * (Gone_m(t_s) - kSpeed_m_s * (ramp_s_ + kGlide_s) / 2) / radius_m_;
     const base::Vec3 up{0, 0, 1};
@@ -88,7 +88,7 @@ class Trembling final : public sim::PenMotion {
   const base::Vec3& direction() const { return direction_; }
   static double Phase(double t_s) { return 2 * std::numbers::pi * kTremor_Hz * t_s; }
 
-  State At(double t_s) const noexcept override {
+  State StateAt(double t_s) const noexcept override {
     State state = at_;
     state.pose.centre_base_m = at_.pose.centre_base_m + amplitude_m_ * std::sin(Phase(t_s)) * direction_;
     state.velocity_base_m_s = 2 * std::numbers::pi * kTremor_Hz * amplitude_m_ * std::cos(Phase(t_s)) * direction_;
@@ -172,7 +172,7 @@ std::size_t Follow(const CalibratedBase& base, const std::shared_ptr<const sim::
       ++lost;
       continue;
     }
-    sample.truth = motion->At(sample.t_s).pose;
+    sample.truth = motion->StateAt(sample.t_s).pose;
     use(sample);
   }
 }

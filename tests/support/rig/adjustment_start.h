@@ -31,7 +31,7 @@ inline base::Result<AdjustmentStart> MakeAdjustmentStart(const base::DeviceGeome
   calibration::Recording found{{}, recording.responses};
   std::vector<calibration::Instant> instants;
   for (const calibration::Sample& sample : recording.samples) {
-    const calibration::ColdPose pose = cold->Find(sample);
+    const calibration::ColdPose pose = cold->FindPose(sample);
     if (!pose.found) continue;
     found.samples.push_back(sample);
     instants.push_back({pose.position_base_m, pose.axis_base});
