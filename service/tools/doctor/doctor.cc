@@ -117,8 +117,8 @@ int Doctor(const DoctorArguments& arguments) {
 void AddDoctor(Command& app) {
   auto arguments = std::make_shared<DoctorArguments>();
   Command doctor = app.AddCommand("doctor", "check what keeps applications from using the pen, and how to fix it");
-  const console::Option json = doctor.Add("--json", arguments->as_json, "as JSON");
-  doctor.Add("--fix", arguments->fix, "then apply what can be applied, asking before each").Excludes(json);
+  const console::Option as_json = doctor.Add("--json", arguments->as_json, "as JSON");
+  doctor.Add("--fix", arguments->fix, "then apply what can be applied, asking before each").Excludes(as_json);
   AddSocket(doctor, arguments->socket);
   doctor.SetAction(arguments, Doctor);
 }

@@ -111,14 +111,14 @@ std::string StretchesText(const std::vector<Stretch>& stretches) {
 }
 
 nlohmann::ordered_json StretchesJson(const std::vector<Stretch>& stretches) {
-  auto json = nlohmann::ordered_json::array();
+  auto rows = nlohmann::ordered_json::array();
   for (const Stretch& stretch : stretches) {
-    json.push_back({{"begin_ns", stretch.begin_ns},
+    rows.push_back({{"begin_ns", stretch.begin_ns},
                     {"end_ns", stretch.end_ns},
                     {"scans", stretch.scans},
                     {"hypothesis", NameOf(stretch)}});
   }
-  return json;
+  return rows;
 }
 
 nlohmann::ordered_json RunJson(const RunArguments& arguments, const std::string& scene, double seconds,
@@ -185,9 +185,9 @@ int RunTwin(const RunArguments& arguments) {
   if (!table.ok()) return Fail("omni twin run", table.error());
   const TrackingErrors errors = CompareTracking(tracked, *table);
   if (arguments.as_json) {
-    nlohmann::ordered_json json = RunJson(arguments, path, seconds, summary, errors);
-    if (arguments.explain) json["explained"] = StretchesJson(stretches);
-    PrintJson(json);
+    nlohmann::ordered_json run = RunJson(arguments, path, seconds, summary, errors);
+    if (arguments.explain) run["explained"] = StretchesJson(stretches);
+    PrintJson(run);
     return errors.compared_ticks > 0 ? kExitOk : kExitFailed;
   }
   std::printf("scene            %s\n", path.c_str());
