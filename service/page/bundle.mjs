@@ -2,13 +2,13 @@
 // index.html, page.js, page.css and licenses.txt.
 import { createRequire } from 'node:module';
 import { copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
-import { join } from 'node:path';
+import { join, resolve } from 'node:path';
 
 const [modules, source, out] = process.argv.slice(2);
 const { build } = createRequire(join(modules, 'x'))('esbuild');
 
 mkdirSync(out, { recursive: true });
-await build({
+const { metafile } = await build({
   entryPoints: [join(source, 'src/main.ts')],
   outfile: join(out, 'page.js'),
   bundle: true,
@@ -17,8 +17,14 @@ await build({
   minify: true,
   legalComments: 'none', // licenses.txt has them
   nodePaths: [modules],
+  metafile: true,
   logLevel: 'warning',
 });
+const bundled = new Set(Object.keys(metafile.inputs).map((path) => resolve(path)));
+for (const name of readdirSync(join(source, 'src'), { recursive: true })) {
+  const path = resolve(join(source, 'src', name));
+  if (/(?<!\.d)\.ts$/.test(name) && !bundled.has(path)) throw new Error(`${path} is imported by nothing`);
+}
 copyFileSync(join(source, 'index.html'), join(out, 'index.html'));
 
 // What is in the bundle, with its licence.

@@ -61,18 +61,18 @@ export class Page {
     const setup = new SetupPanel(actions);
     const tick = new TickPanel(theme, () => events.window());
     const inputs = new InputsPanel();
-    this.experts = [this.feel, environment, setup, tick, this.coverage, inputs];
     this.measure = makeButton('Measurements', () => this.setMeasuring(this.measure.ariaExpanded !== 'true', true), {
       class: 'button measure',
       title: 'Strips of every tick, recording and replay',
     });
     this.measure.dataset['testid'] = 'measure';
     this.measure.hidden = true;
-    const columns: [Panel[], Panel[]] = [
+    const columns: [Panel[], (Panel & { card: Card })[]] = [
       [now, this.problems, scenes],
       [this.feel, environment, setup, this.coverage, tick, inputs],
     ];
     this.panels = columns.flat();
+    this.experts = columns[1];
     const doing = make('div', { class: 'panel-column' }, ...columns[0].map((panel) => panel.root));
     const knowing = make('div', { class: 'panel-column' }, this.handPlace, ...columns[1].map((panel) => panel.root));
     const panels = make('section', { class: 'panels', 'aria-label': 'Panels' }, doing, knowing);

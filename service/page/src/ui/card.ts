@@ -18,8 +18,11 @@ export class Card {
   readonly body: HTMLElement;
   private readonly note: HTMLElement;
   private readonly id: string;
+  private static readonly ids = new Set<string>();
 
   constructor(options: CardOptions) {
+    if (Card.ids.has(options.id)) throw new Error(`two cards are named ${options.id}`);
+    Card.ids.add(options.id);
     this.id = options.id;
     this.note = make('span', { class: 'card-note' });
     this.body = make('div', { class: 'card-body' });
