@@ -298,6 +298,9 @@ bool AreTwo(Trial& trial, Measurement&, Outcome& outcome) noexcept {
 
 constexpr Hypothesis kSlow[] = {{"magnet from the start", 1, MayBePair, SeekMagnet, FromGrid, kSurelyKnown_m2, AreTwo}};
 
+static_assert(AreComplete(kCold) && AreComplete(kSlow));
+static_assert(kCold[0].applies == nullptr && kCold[0].propose == nullptr, "one that can always be tried");
+
 }  // namespace
 
 std::span<const Hypothesis> ColdHypotheses() noexcept { return kCold; }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "service/tracker/stages/predict.h"
 #include "service/tracker/stages/scan_context.h"
@@ -69,6 +70,17 @@ struct Hypothesis {
   // A fit that is good so far; null: it is accepted. May replace both, and what is proposed.
   bool (*accepts)(Trial& trial, Measurement& measurement, Outcome& outcome) noexcept;
 };
+
+// Each row has a name of its own, a fit and a limit.
+constexpr bool AreComplete(std::span<const Hypothesis> rows) noexcept {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].name == nullptr || rows[i].fit == nullptr || !(rows[i].position_variance_max_m2 > 0)) return false;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (std::string_view(rows[i].name) == rows[j].name) return false;
+    }
+  }
+  return true;
+}
 
 inline constexpr double kAnyVariance_m2 = std::numeric_limits<double>::infinity();
 

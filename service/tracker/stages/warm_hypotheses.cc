@@ -81,7 +81,8 @@ constexpr Hypothesis kRows[] = {
     {"magnet arrived", 1, MayHaveArrived, BelieveMagnet, FromPrediction, kAnyVariance_m2, nullptr},
 };
 
-static_assert(std::all_of(std::begin(kRows), std::end(kRows), [](const Hypothesis& row) { return row.times == 1; }));
+static_assert(AreComplete(kRows) &&
+              std::all_of(std::begin(kRows), std::end(kRows), [](const Hypothesis& row) { return row.times == 1; }));
 
 }  // namespace
 
