@@ -90,7 +90,7 @@ bool IsWithin(Enum value, Enum first, Enum last) noexcept {
 // Range checks of a message's numbers, beyond being finite.
 bool IsValid(const Hello& hello) noexcept {
   return IsPositive(hello.field_lsb_T) && IsPositive(hello.current_max_A) && hello.version_min <= hello.version_max &&
-         hello.field_full_scale > 0;
+         hello.field_full_scale > 0 && hello.field_full_scale <= 0x7FFF;
 }
 bool IsValid(const Telemetry& telemetry) noexcept {
   return telemetry.state <= State::kFault && (telemetry.saturated_mask >> (3 * kSensors)) == 0;

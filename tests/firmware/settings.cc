@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "firmware/core/link/settings.h"
+#include "firmware/drivers/lis3mdl_registers.h"
 #include "service/config/files/device_file.h"
 
 namespace omni::firmware {
@@ -30,6 +31,8 @@ TEST(FirmwareSettings, DefaultsMatchTheDeviceFile) {
   EXPECT_EQ(settings.air_C, static_cast<float>(device->heat.air_C));
   EXPECT_EQ(settings.field_lsb_T, static_cast<float>(device->sensor_lsb_T));
   EXPECT_NEAR(settings.field_full_scale, device->sensor_range_T / device->sensor_lsb_T, 1);
+  EXPECT_EQ(settings.field_full_scale, drivers::lis3mdl::kFullScaleCounts);
+  EXPECT_NEAR(settings.field_lsb_T * drivers::lis3mdl::kCountsPerGauss, 1e-4, 1e-8);
 }
 
 TEST(FirmwareSettings, RejectsNonFiniteNegativeAndUnorderedValues) {

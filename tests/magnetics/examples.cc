@@ -104,6 +104,7 @@ TEST(MagneticsExamples, FieldOfFullCurrentStaysWithinTheSensorRange) {
     }
   }
   EXPECT_NEAR(worst_T, 10.3e-4, 0.3e-4);
+  EXPECT_LT(worst_T, device.sensor_range_T);
 }
 
 TEST(MagneticsExamples, RadialDipoleHasItsImageOnTheSameRadius) {

@@ -225,6 +225,7 @@ TEST(SimSensor, OneCoilAtFullCurrentDoesNotSaturate) {
     }
   }
   EXPECT_NEAR(worst_T, 10.3e-4, 0.5e-4);
+  EXPECT_LT(worst_T, support::NominalDevice().sensor_range_T);
 }
 
 TEST(SimSensor, ReadsInItsOwnFrame) {

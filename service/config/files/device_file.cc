@@ -18,6 +18,8 @@ double Volume(const Vec3& a, const Vec3& b, const Vec3& c) {
   return a.x * (b.y * c.z - b.z * c.y) - a.y * (b.x * c.z - b.z * c.x) + a.z * (b.x * c.y - b.y * c.x);
 }
 
+constexpr double kCounts = 32768;  // of 16 bits, on one side of zero
+
 // "<left> = 0.01 must be < <right> = 0.015", if it is not so.
 std::string NotLess(const std::string& left, double left_value, const std::string& right, double right_value,
                     bool or_equal) {
@@ -71,6 +73,10 @@ std::string GeometryProblem(const base::DeviceGeometry& device) {
   if (problem.empty()) {
     problem =
         NotLess("sensor.sensor_lsb_T", device.sensor_lsb_T, "sensor.sensor_range_T", device.sensor_range_T, false);
+  }
+  if (problem.empty()) {
+    problem = NotLess("sensor.sensor_range_T", device.sensor_range_T, "32768 times sensor.sensor_lsb_T",
+                      kCounts * device.sensor_lsb_T, false);
   }
   if (problem.empty()) {
     problem = NotLess("limits.temperature_derate_C", device.temperature_derate_C, "limits.temperature_max_C",
