@@ -9,10 +9,33 @@ namespace omni::protocol {
 inline constexpr double kLargestValue = 1e6;                           // of any SI value in a sample
 inline constexpr std::int64_t kLatestTime_ns = std::int64_t{1} << 62;  // differences of two times cannot overflow
 inline constexpr double kUnitTolerance = 1e-2;                         // of |q|^2
-inline constexpr std::uint32_t kKnownToolFlags =
-    kToolPoseValid | kToolTracked | kToolContact | kToolJoystick | kToolAligned | kToolPushed | kToolForceCut |
-    kToolWarm | kToolOutOfReach | kToolDeviceFault | kToolStiffnessLimited | kToolHolding | kToolSoftened | kToolWaits;
 
+// The compiler names a flag that is missing here.
+constexpr bool IsKnown(ToolFlag flag) noexcept {
+  switch (flag) {
+    case kToolPoseValid:
+    case kToolTracked:
+    case kToolContact:
+    case kToolJoystick:
+    case kToolAligned:
+    case kToolPushed:
+    case kToolForceCut:
+    case kToolWarm:
+    case kToolOutOfReach:
+    case kToolDeviceFault:
+    case kToolStiffnessLimited:
+    case kToolHolding:
+    case kToolSoftened:
+    case kToolWaits:
+      return true;
+  }
+  return false;
+}
+inline constexpr std::uint32_t kKnownToolFlags = [] {
+  std::uint32_t flags = 0;
+  for (std::uint32_t bit = 1; bit != 0; bit <<= 1) flags |= IsKnown(static_cast<ToolFlag>(bit)) ? bit : 0;
+  return flags;
+}();
 inline constexpr std::uint32_t kKnownBaseFlags = kBaseSeen | kBaseLeapt;
 
 bool InRange(const ToolSample& sample) noexcept;
