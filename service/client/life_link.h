@@ -1,5 +1,6 @@
 // The client's side of its life page. The page keeps one address for as long as the link lives: private memory while
-// not connected, the service's page while connected. So Beat() may run on any thread while another one (re)connects.
+// not connected, the service's page while connected. So SignalAlive() may run on any thread while another one
+// (re)connects.
 #pragma once
 
 #include <string>

@@ -29,11 +29,11 @@ class StateReader {
   bool ReadNewest(protocol::ToolSample& sample) const noexcept;
 
   // The sample that was published `back` samples before the newest; the oldest kept if there are not so many. False as
-  // for Newest.
+  // for ReadNewest.
   bool ReadEarlier(std::uint32_t back, protocol::ToolSample& sample) const noexcept;
 
   // The two samples around t_ns: before.t_ns <= t_ns <= after.t_ns. t_ns past the newest: both are the newest;
-  // before the oldest kept: both are the oldest. False as for Newest.
+  // before the oldest kept: both are the oldest. False as for ReadNewest.
   bool ReadAround(std::int64_t t_ns, protocol::ToolSample& before, protocol::ToolSample& after) const noexcept;
 
   // The same of where a moving base is. False also if no base has moved yet.
@@ -48,10 +48,10 @@ class StateReader {
 
   bool ReadInputs(protocol::InputSnapshot& inputs) const noexcept;
 
-  // What the tip touches now. False as for Newest.
+  // What the tip touches now. False as for ReadNewest.
   bool ReadContacts(protocol::ContactSnapshot& contacts) const noexcept;
 
-  // The car of the active scene; `vehicle.on` says whether it has one. False as for Newest.
+  // The car of the active scene; `vehicle.on` says whether it has one. False as for ReadNewest.
   bool ReadVehicle(protocol::VehicleSnapshot& vehicle) const noexcept;
 
  private:

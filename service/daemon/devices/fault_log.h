@@ -30,7 +30,7 @@ class LineRate {
 
 class FaultLog {
  public:
-  // Messages of the base, in their order; call before News.
+  // Messages of the base, in their order; call before PopLines.
   void AddNote(const device::BaseNote& note, std::int64_t now_ns);
   // New lines since the last call.
   std::vector<FaultLine> PopLines(const device::TransportState& state);

@@ -36,7 +36,7 @@ struct CurrentInstant {
 // Of one scan.
 class CoilCurrents {
  public:
-  // `now` = Remember(scan, previous); all outlive this. `mean_age_s`: means lie this long before the tick's end.
+  // `now` = UpdatedHistory(scan, previous); all outlive this. `mean_age_s`: means lie this long before the tick's end.
   CoilCurrents(const base::HallScan& scan, const CurrentHistory& previous, const CurrentHistory& now,
                double mean_age_s) noexcept;
 

@@ -90,7 +90,7 @@ struct Offsets {
 };
 
 // Subtracts coils and offsets, weighs each axis, drops what is saturated, not finite or stale. Rates are left zero.
-// `now` = Remember(scan, previous). Precondition: the model has kSensors sensors.
+// `now` = UpdatedHistory(scan, previous). Precondition: the model has kSensors sensors.
 Measurement MakeMeasurement(const Model& model, const Trust& trust, const base::HallScan& scan,
                             const CurrentHistory& previous, const CurrentHistory& now,
                             const Offsets& offsets = {}) noexcept;

@@ -26,7 +26,7 @@ class CurrentSense {
   // Starts bus and chips; Maintain retries chips that do not answer. Interrupts may be off.
   void Start() noexcept;
 
-  // The results since Request: currents, supply, which chips answer.
+  // The results since RequestReadings: currents, supply, which chips answer.
   void CollectReadings(firmware::Inputs& inputs) noexcept;
   // Starts the reads for the next Collect, and at most one more transfer: an alert's side, the release of a latched
   // alert (`lines_low`: coils whose fault line is low; only while `nothing_driven`), or a check of a chip's
