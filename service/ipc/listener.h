@@ -36,7 +36,7 @@ class Listener {
   bool adopted_;
 };
 
-// Socket activation: systemd has made omnid's socket and starts omnid when somebody connects (sd_listen_fds(3)).
+// Socket activation: systemd has made omnid's socket and starts omnid when a client connects (sd_listen_fds(3)).
 struct InheritedSocket {
   base::UniqueFd fd;  // non-blocking, close-on-exec
   std::string path;

@@ -136,6 +136,10 @@ TEST(ConfigDevice, RejectsContradictoryGeometry) {
                  {"hull_radius_m", "core_radius_m"});
   ExpectMentions(ErrorOf(Changed("temperature_derate_C = 60.0", "temperature_derate_C = 80.0")),
                  {"temperature_derate_C", "temperature_max_C"});
+  // More counts than 16 bits have; up to there it is read.
+  ExpectMentions(ErrorOf(Changed("sensor_range_T = 1.6e-3", "sensor_range_T = 1.92e-3")),
+                 {"sensor_range_T", "32768 times sensor.sensor_lsb_T"});
+  EXPECT_TRUE(ParseDevice(Changed("sensor_range_T = 1.6e-3", "sensor_range_T = 1.91e-3"), "test.toml").ok());
   ExpectMentions(ErrorOf(Changed("shell_radius_max_m = 0.0325", "shell_radius_max_m = 0.05")),
                  {"shell_radius_max_m", "hull_radius_m"});
   ExpectMentions(ErrorOf(Changed("axis_base = [0.0, 1.0, 0.0]", "axis_base = [1.0, 0.0, 0.0]")), {"axis_base"});

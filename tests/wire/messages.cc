@@ -177,6 +177,8 @@ TEST(WireBadInput, RejectsValuesOutOfRange) {
   EXPECT_EQ(DecodedWith(SampleLog(), [](Log& l) { l.size = kLogTextMax + 1; }), Status::kOutOfRange);
   EXPECT_EQ(DecodedWith(SampleHello(), [](Hello& h) { h.version_min = 2; }), Status::kOutOfRange);
   EXPECT_EQ(DecodedWith(SampleHello(), [](Hello& h) { h.field_full_scale = 0; }), Status::kOutOfRange);
+  EXPECT_EQ(DecodedWith(SampleHello(), [](Hello& h) { h.field_full_scale = 0x8000; }), Status::kOutOfRange);
+  EXPECT_EQ(DecodedWith(SampleHello(), [](Hello& h) { h.field_full_scale = 0x7FFF; }), Status::kOk);
   EXPECT_EQ(DecodedWith(SampleHello(), [](Hello& h) { h.current_max_A = -15; }), Status::kOutOfRange);
 }
 
