@@ -17,7 +17,7 @@ base::Result<BenchRows> RunBenchProgram(const std::string& name, const BenchOpti
   const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / name;
   std::error_code ignored;
   if (!fs::exists(program, ignored)) {
-    return base::Error{program.string() + " is not built; cmake --build --preset release --target omni_benches"};
+    return base::Error{program.string() + " is not built; cmake --build build/bench --target omni_benches"};
   }
   std::string output = (fs::temp_directory_path() / "omni-bench-XXXXXX").string();
   const int file = mkstemp(output.data());
