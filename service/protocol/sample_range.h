@@ -36,6 +36,8 @@ inline constexpr std::uint32_t kKnownToolFlags = [] {
   for (std::uint32_t bit = 1; bit != 0; bit <<= 1) flags |= IsKnown(static_cast<ToolFlag>(bit)) ? bit : 0;
   return flags;
 }();
+static_assert(kStateVersion == 5 && kKnownToolFlags == 0x3FFF,
+              "readers of the same version refuse a flag that they do not know: both change together");
 inline constexpr std::uint32_t kKnownBaseFlags = kBaseSeen | kBaseLeapt;
 
 bool InRange(const ToolSample& sample) noexcept;

@@ -121,17 +121,33 @@ bool SameAndStill(const ForceConstraint& a, const ForceConstraint& b) noexcept {
 
 std::int64_t GoneAfter_ns() noexcept { return 500'000'000; }
 
-struct SampleBit {
-  std::uint32_t sample;
-  XrForceFeedbackStateFlagsOMNIX1 state;
-};
-constexpr std::array<SampleBit, 5> kSampleBits{{
-    {protocol::kToolForceCut, XR_FORCE_FEEDBACK_STATE_SATURATED_BIT_OMNIX1},
-    {protocol::kToolWarm, XR_FORCE_FEEDBACK_STATE_THERMAL_LIMITED_BIT_OMNIX1},
-    {protocol::kToolOutOfReach, XR_FORCE_FEEDBACK_STATE_OUT_OF_WORKSPACE_BIT_OMNIX1},
-    {protocol::kToolDeviceFault, XR_FORCE_FEEDBACK_STATE_EMERGENCY_STOP_BIT_OMNIX1},
-    {protocol::kToolStiffnessLimited, XR_FORCE_FEEDBACK_STATE_STIFFNESS_LIMITED_BIT_OMNIX1},
-}};
+// What an application is shown of a flag of the sample; 0: nothing.
+constexpr XrForceFeedbackStateFlagsOMNIX1 StateBitOf(protocol::ToolFlag flag) noexcept {
+  switch (flag) {
+    case protocol::kToolForceCut:
+      return XR_FORCE_FEEDBACK_STATE_SATURATED_BIT_OMNIX1;
+    case protocol::kToolWarm:
+      return XR_FORCE_FEEDBACK_STATE_THERMAL_LIMITED_BIT_OMNIX1;
+    case protocol::kToolOutOfReach:
+      return XR_FORCE_FEEDBACK_STATE_OUT_OF_WORKSPACE_BIT_OMNIX1;
+    case protocol::kToolDeviceFault:
+      return XR_FORCE_FEEDBACK_STATE_EMERGENCY_STOP_BIT_OMNIX1;
+    case protocol::kToolStiffnessLimited:
+      return XR_FORCE_FEEDBACK_STATE_STIFFNESS_LIMITED_BIT_OMNIX1;
+    case protocol::kToolPoseValid:
+    case protocol::kToolTracked:
+    case protocol::kToolContact:
+    case protocol::kToolJoystick:
+    case protocol::kToolAligned:
+    case protocol::kToolPushed:
+    case protocol::kToolHolding:
+    case protocol::kToolSoftened:
+    case protocol::kToolWaits:
+      return 0;
+  }
+  return 0;
+}
+
 // Those that flicker with the hand's motion.
 constexpr std::array<XrForceFeedbackStateFlagsOMNIX1, 4> kFleeting{
     XR_FORCE_FEEDBACK_STATE_SATURATED_BIT_OMNIX1, XR_FORCE_FEEDBACK_STATE_THERMAL_LIMITED_BIT_OMNIX1,
@@ -190,9 +206,8 @@ ForceStatus StatusOf(const ForceSituation& situation) noexcept {
   if (!situation.focused) status.flags |= XR_FORCE_FEEDBACK_STATE_FOCUS_LOST_BIT_OMNIX1;
   if (!fresh) status.flags |= XR_FORCE_FEEDBACK_STATE_STALE_BIT_OMNIX1;
   if (situation.standing == protocol::ForceStanding::kTaken) status.flags |= XR_FORCE_FEEDBACK_STATE_IN_USE_BIT_OMNIX1;
-  if (situation.sample)
-    for (const SampleBit& bit : kSampleBits)
-      if (situation.sample->flags & bit.sample) status.flags |= bit.state;
+  for (std::uint32_t left = situation.sample ? situation.sample->flags : 0; left != 0; left &= left - 1)
+    status.flags |= StateBitOf(static_cast<protocol::ToolFlag>(left & -left));
   status.active = situation.focused && fresh && situation.standing == protocol::ForceStanding::kYours &&
                   !(status.flags & XR_FORCE_FEEDBACK_STATE_EMERGENCY_STOP_BIT_OMNIX1);
   return status;

@@ -1,6 +1,7 @@
 #include "service/monitor/page/bit_names.h"
 
 #include <array>
+#include <utility>
 
 #include "service/base/tool_state.h"
 #include "service/protocol/state_memory.h"
@@ -31,15 +32,33 @@ constexpr auto kTickFaults = std::to_array<BitName>({
     {8, "not_finite", "a result was not finite: currents are zero"},
     {16, "commands_stale", "commands are stale"},
 });
-constexpr auto kToolLimits = std::to_array<BitName>({
-    {base::kToolTilted, "tilted"},
-    {base::kToolCoarse, "coarse"},
-    {base::kToolFewReadings, "few_readings"},
-    {base::kToolSensorSaturated, "sensor_saturated"},
-    {base::kToolContradicted, "contradicted"},
-    {base::kToolRepeated, "repeated"},
-    {base::kToolFrozen, "frozen"},
-});
+constexpr const char* NameOf(base::ToolLimit limit) noexcept {
+  switch (limit) {
+    case base::kToolTilted:
+      return "tilted";
+    case base::kToolCoarse:
+      return "coarse";
+    case base::kToolFewReadings:
+      return "few_readings";
+    case base::kToolSensorSaturated:
+      return "sensor_saturated";
+    case base::kToolContradicted:
+      return "contradicted";
+    case base::kToolRepeated:
+      return "repeated";
+    case base::kToolFrozen:
+      return "frozen";
+  }
+  return nullptr;
+}
+template <std::size_t... kBit>
+constexpr auto NamesOfBits(std::index_sequence<kBit...>) noexcept {
+  constexpr std::size_t kCount = ((NameOf(static_cast<base::ToolLimit>(1U << kBit)) != nullptr ? 1 : 0) + ...);
+  std::array<BitName, kCount> names{};
+  for (std::uint32_t i = 0; i < kCount; ++i) names[i] = {1U << i, NameOf(static_cast<base::ToolLimit>(1U << i))};
+  return names;
+}
+constexpr auto kToolLimits = NamesOfBits(std::make_index_sequence<32>());
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 import { clock, fixed, mm, plural } from '../ui/format';
 import { length } from '../signals';
 import { statusOf } from './state';
+import type { FlagName } from '../contract';
 import type { PageState } from './state';
 import type { Contact } from '../types';
 
@@ -74,19 +75,30 @@ export function replayNote(state: PageState): string {
   return then.complete ? '' : 'A surface was too large to be kept: it is drawn as it was loaded.';
 }
 
-// Why the force is not what it should be; "": it is.
-export function forceNote(state: PageState): string {
-  const { live, signals } = state;
+// Why the force is not what it should be, the weightiest first; '': that flag is no reason.
+const kForceNotes: Record<FlagName, string> = {
+  device_fault: 'no force: the base reports a fault',
+  out_of_reach: 'no force can be made here',
+  waits: 'no force: the pen is inside; it is felt once it was outside',
+  saturated: 'cut by what the base can do',
+  softened: 'softer for a while: it made the hand swing; rest for half a second',
+  stiffness_limited: 'softer than asked for, to stay stable',
+  warm: 'the coils are warm: less force than when cold',
+  pushed: 'an application pushes',
+  pose_valid: '',
+  tracked: '',
+  contact: '',
+  joystick: '',
+  aligned: '',
+  holding: '',
+};
+
+// "": it is.
+export function forceNote({ live, signals }: PageState): string {
   if (live === null) return '';
-  if (signals.flag(live, 'device_fault') === true) return 'no force: the base reports a fault';
-  if (signals.flag(live, 'out_of_reach') === true) return 'no force can be made here';
-  if (signals.flag(live, 'waits') === true) return 'no force: the pen is inside; it is felt once it was outside';
-  if (signals.flag(live, 'saturated') === true) return 'cut by what the base can do';
-  if (signals.flag(live, 'softened') === true) return 'softer for a while: it made the hand swing; rest for half a second';
-  if (signals.flag(live, 'stiffness_limited') === true) return 'softer than asked for, to stay stable';
-  if (signals.flag(live, 'warm') === true) return 'the coils are warm: less force than when cold';
-  if (signals.flag(live, 'pushed') === true) return 'an application pushes';
-  return '';
+  const names = Object.keys(kForceNotes) as FlagName[];
+  const reason = names.find((name) => kForceNotes[name] !== '' && signals.flag(live, name) === true);
+  return reason === undefined ? '' : kForceNotes[reason];
 }
 
 export function owner(state: PageState): string {
