@@ -44,6 +44,7 @@ base::Result<DeviceInfo> InfoFromHello(const wire::Hello& hello, Clocks clocks) 
   info.arming = (hello.capabilities & wire::kArming) != 0;
   info.simulation = (hello.capabilities & wire::kSimulation) != 0;
   info.field_lsb_T = static_cast<double>(hello.field_lsb_T);
+  info.field_range_T = info.field_lsb_T * hello.field_full_scale;
   info.current_max_A = static_cast<double>(hello.current_max_A);
   info.calibration_hash = hello.calibration_hash;
   return info;

@@ -18,6 +18,7 @@ struct DeviceInfo {
   bool clock_is_host = false;  // its stamps are CLOCK_MONOTONIC
   bool arming = false;         // its coils carry no current until it is armed
   double field_lsb_T = 0;
+  double field_range_T = 0;  // of its sensors, per axis: larger readings are saturated
   double current_max_A = 0;
   std::uint64_t calibration_hash = 0;
 };

@@ -60,6 +60,7 @@ class SocketTransport final : public Transport {
     info_.name = name;
     info_.serial = device_.serial;
     info_.simulation = device_.simulation;
+    info_.field_range_T = device_.field_range_T;
   }
 
   ReadStatus Read(base::HallScan& scan, std::int64_t timeout_ns) noexcept override {

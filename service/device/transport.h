@@ -24,6 +24,7 @@ struct TransportInfo {
   std::string name;  // shown to users: "twin", "usb 1209:0001", "replay FILE"
   std::string serial;
   bool simulation = false;    // every figure measured with it is marked as simulated
+  double field_range_T = 0;   // of its sensors, as it reports; 0: it does not
   bool virtual_time = false;  // Read never waits: time comes from the scans
 };
 

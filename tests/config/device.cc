@@ -8,6 +8,7 @@
 #include "service/config/files/device_file.h"
 #include "tests/support/process/manifest_text.h"
 #include "tests/support/process/temp_folder.h"
+#include "tests/support/rig/nominal_device.h"
 
 namespace omni::config {
 namespace test_config_device {
@@ -60,6 +61,54 @@ TEST(ConfigDevice, HeatTableIsOptionalButMustBeComplete) {
   EXPECT_DOUBLE_EQ(without->heat.copper_J_K, base::HeatGeometry{}.copper_J_K);
   ExpectMentions(ErrorOf(Changed("body_J_K = 94.2", "")), {"test.toml", "heat.body_J_K"});
   ExpectMentions(ErrorOf(Changed("air_C = 24.0", "air_C = 297")), {"heat.air_C", "297"});
+}
+
+std::vector<double> NumbersOf(const base::DeviceGeometry& device) {
+  std::vector<double> numbers{device.magnet.radius_m,
+                              device.magnet.half_height_m,
+                              device.magnet.remanence_T,
+                              device.magnet.mass_kg,
+                              device.magnet.tip_offset_m,
+                              device.core_radius_m,
+                              device.core_kappa,
+                              device.hull_radius_m,
+                              device.sensor_range_T,
+                              device.sensor_lsb_T,
+                              device.current_max_A,
+                              device.current_slew_A_s,
+                              device.force_max_N,
+                              device.temperature_max_C,
+                              device.temperature_derate_C,
+                              device.supply_V,
+                              device.heat.copper_J_K,
+                              device.heat.body_J_K,
+                              device.heat.copper_to_body_W_K,
+                              device.heat.body_to_air_W_K,
+                              device.heat.air_C};
+  numbers.insert(numbers.end(), device.sensor_noise_T.begin(), device.sensor_noise_T.end());
+  for (const base::SensorGeometry& sensor : device.sensors) {
+    const auto& [p, q] = sensor;
+    numbers.insert(numbers.end(), {p.x, p.y, p.z, q.w, q.x, q.y, q.z});
+  }
+  for (const base::CoilGeometry& coil : device.coils) {
+    numbers.insert(numbers.end(), {coil.axis_base.x, coil.axis_base.y, coil.axis_base.z, double(coil.turns),
+                                   double(coil.layers), coil.shell_radius_min_m, coil.shell_radius_max_m,
+                                   coil.band_half_width_m, coil.resistance_20C_ohm, coil.inductance_H});
+  }
+  return numbers;
+}
+
+// Tests that read no file write it out by hand: a base that was changed in one place only would be tested as the old
+// one.
+TEST(ConfigDevice, NominalDeviceOfTestsIsTheManifest) {
+  const auto device = LoadDeviceFile(OMNI_SOURCE_DIR "/manifests/device/omni.toml");
+  ASSERT_TRUE(device.ok());
+  const std::vector<double> numbers = NumbersOf(*device), nominal = NumbersOf(support::NominalDevice());
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    EXPECT_NEAR(nominal[i], numbers[i], 1e-9 * std::abs(numbers[i]) + 1e-15) << "number " << i;
+  EXPECT_EQ(device->magnet.shape, support::NominalDevice().magnet.shape);
+  // The twin's sensors are linear over the share of their range that their data sheet says.
+  EXPECT_EQ(device->sensor_range_T, 1.6e-3) << "another sensor: its share is kLinearShare of sim/fields/truth_model.cc";
 }
 
 TEST(ConfigDevice, BuiltInIsTheManifest) {

@@ -4,6 +4,7 @@
 #include "firmware/wire/names.h"
 #include "service/daemon/devices/fault_log.h"
 #include "service/daemon/devices/open_device.h"
+#include "tests/support/rig/nominal_device.h"
 
 namespace omni::daemon {
 namespace test_daemon_device {
@@ -40,6 +41,18 @@ TEST(DeviceWords, OpeningAnUnknownDeviceFails) {
   RunOptions options;
   options.device = "nothing";
   EXPECT_FALSE(OpenDevice(options).ok());
+}
+
+// Readings and saturation of other sensors than those of the device file would be taken for these.
+TEST(DeviceSensors, AnotherRangeThanTheDeviceFilesIsReported) {
+  const base::DeviceGeometry device = support::NominalDevice();
+  EXPECT_EQ(SensorProblem({.field_range_T = device.sensor_range_T}, device), "");
+  EXPECT_EQ(SensorProblem({.field_range_T = device.sensor_range_T + 0.9 * device.sensor_lsb_T}, device), "")
+      << "rounded";
+  EXPECT_EQ(SensorProblem({}, device), "") << "a recording does not say";
+  const std::string problem = SensorProblem({.field_range_T = 0.8e-3}, device);
+  for (const char* part : {"0.8", "1.6", "sensor_range_T", "--device-file"})
+    EXPECT_NE(problem.find(part), std::string::npos) << problem;
 }
 
 TEST(FaultLog, ReportsEachFaultOnceWithAdvice) {

@@ -114,6 +114,8 @@ bool DeviceKeeper::Open() {
   }
   reported_.clear();
   if (opened->transport->info().simulation && !IsTwin(options_.device)) spdlog::warn("SIMULATION: {}", kSimulationText);
+  if (const std::string problem = SensorProblem(opened->transport->info(), device_); !problem.empty())
+    spdlog::warn("device: {}", problem);
   loop::TickConfig config = Calibrated(opened->serial);
   magnets_.LoadKnownMagnets(opened->serial, calibration_ ? calibration_->moment_Am2 : 0, config.tracker.magnets);
   Record(options, *opened);

@@ -1,5 +1,6 @@
 #include "service/daemon/devices/open_device.h"
 
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -113,6 +114,15 @@ base::Result<OpenedDevice> OpenDevice(const RunOptions& options) {
   const Wanted wanted = Parse(options.device);
   if (wanted.entry == nullptr) return base::Error{DeviceProblem(options.device)};
   return wanted.entry->open(options, wanted.argument);
+}
+
+std::string SensorProblem(const device::TransportInfo& opened, const base::DeviceGeometry& device) {
+  if (!(opened.field_range_T > 0) || std::abs(opened.field_range_T - device.sensor_range_T) <= device.sensor_lsb_T)
+    return {};
+  const auto milliteslas = [](double T) { return std::to_string(1e3 * T) + " mT"; };
+  return "the base reports sensors of +-" + milliteslas(opened.field_range_T) + ", the device file has those of +-" +
+         milliteslas(device.sensor_range_T) +
+         " (sensor.sensor_range_T): poses will be wrong; start omnid with the --device-file of this base";
 }
 
 bool IsTwin(const std::string& device) {

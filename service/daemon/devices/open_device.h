@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "service/base/device_geometry.h"
 #include "service/base/result.h"
 #include "service/daemon/run.h"
 #include "service/device/recording/device_recorder.h"
@@ -27,6 +28,9 @@ std::string DeviceProblem(const std::string& device);
 
 // Precondition: DeviceProblem(options.device) is empty.
 base::Result<OpenedDevice> OpenDevice(const RunOptions& options);
+
+// Why the sensors of an opened base are not those of the device file; empty: they are, or it does not say.
+std::string SensorProblem(const device::TransportInfo& opened, const base::DeviceGeometry& device);
 
 bool IsTwin(const std::string& device);
 bool IsReplay(const std::string& device);

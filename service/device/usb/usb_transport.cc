@@ -65,7 +65,10 @@ base::Result<std::unique_ptr<Transport>> MakeUsbTransport(UsbBus& bus, const std
     return base::Error{name + ": " + info.error()};
   }
   session->Begin(*info);
-  TransportInfo reported{.name = "usb " + chosen->port, .serial = info->serial, .simulation = info->simulation};
+  TransportInfo reported{.name = "usb " + chosen->port,
+                         .serial = info->serial,
+                         .simulation = info->simulation,
+                         .field_range_T = info->field_range_T};
   return std::unique_ptr<Transport>(
       std::make_unique<UsbTransport>(std::move(session), std::move(*link), std::move(reported)));
 }

@@ -19,6 +19,7 @@ inline base::DeviceGeometry NominalDevice() {
   }
   const int turns[3] = {156, 158, 160};
   const double resistance[3] = {0.633, 0.666, 0.697};
+  const double inductance_H[3] = {1.05e-3, 1.10e-3, 1.15e-3};
   for (std::size_t k = 0; k < device.coils.size(); ++k) {
     base::CoilGeometry& coil = device.coils[k];
     coil.axis_base = {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
@@ -28,7 +29,7 @@ inline base::DeviceGeometry NominalDevice() {
     coil.shell_radius_max_m = 0.0325;
     coil.band_half_width_m = 0.0112;
     coil.resistance_20C_ohm = resistance[k];
-    coil.inductance_H = 1.1e-3;
+    coil.inductance_H = inductance_H[k];
   }
   device.magnet = {
       .radius_m = 0.015, .half_height_m = 0.0035, .remanence_T = 1.3, .mass_kg = 0.038, .tip_offset_m = 0.005};

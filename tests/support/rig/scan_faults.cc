@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "tests/support/rig/nominal_device.h"
+
 namespace omni::sim {
 namespace {
 
@@ -13,7 +15,7 @@ using base::Vec3;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRange_T = 1.6e-3;  // full scale of the sensors
+const double kRange_T = support::NominalDevice().sensor_range_T;
 
 template <class Change>
 void ForSensors(const FaultContext& context, HallScan& scan, Change change) {
