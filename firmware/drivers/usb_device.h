@@ -17,7 +17,7 @@
 //   void InvalidateCache(const volatile void* memory, std::size_t size) noexcept;       reads come from memory
 // Handler policy:
 //   void EmergencyStop() noexcept;                                                     any number of times
-//   std::size_t Hello(std::uint8_t* frame, std::size_t capacity) noexcept;             0: refused
+//   std::size_t WriteHello(std::uint8_t* frame, std::size_t capacity) noexcept;        0: refused
 //
 // The board does before Start: USB PLL and PHY on, clock gate open, interrupt vector; after Stop the reverse.
 #pragma once
@@ -240,7 +240,7 @@ class UsbDevice {
       case ControlAction::kStall:
         break;
       case ControlAction::kHello:
-        answer.size = handler_.Hello(memory_.control, kBufferSize);
+        answer.size = handler_.WriteHello(memory_.control, kBufferSize);
         if (answer.size != 0 && answer.size <= kBufferSize) return SendControl(answer.size, setup.length);
         break;
       case ControlAction::kData:

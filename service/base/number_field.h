@@ -41,9 +41,9 @@ struct MemberOf<Value T::*> {
   using Number = Value;
 };
 
-// A member, or a member of a member: Member<&Material::softness, &Softness::thickness_m>().
+// A member, or a member of a member: AccessMember<&Material::softness, &Softness::thickness_m>().
 template <auto kFirst, auto... kMore>
-constexpr auto Member() {
+constexpr auto AccessMember() {
   using Object = typename MemberOf<decltype(kFirst)>::Object;
   using Number = typename MemberOf<decltype((kFirst, ..., kMore))>::Number;  // of the last
   return NumberMember<Object>{

@@ -78,7 +78,9 @@ std::string Monitor::browser_address() const {
   return "http://127.0.0.1:" + std::to_string(server_->port()) + "/#code=" + code_;
 }
 
-std::string Monitor::Hello() { return json{{"protocol", kPageVersion}, {"version", options_.hello.version}}.dump(); }
+std::string Monitor::HelloJson() {
+  return json{{"protocol", kPageVersion}, {"version", options_.hello.version}}.dump();
+}
 
 void Monitor::Step() {
   const std::int64_t before_ns = base::MonotonicNow_ns();

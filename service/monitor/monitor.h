@@ -74,7 +74,7 @@ class Monitor : private WebHandler {
   void OnText(PageId page, std::string_view text) override;
   void OnBytes(PageId page, std::string_view bytes) override;
   void OnPageGone(PageId page) override;
-  std::string Hello() override;
+  std::string HelloJson() override;
 
   void PollService(std::int64_t now_ns);
   void HandleStatus(const nlohmann::json& status);

@@ -30,7 +30,7 @@ struct Heard : WebHandler {
   void OnText(PageId /*page*/, std::string_view text) override { texts.emplace_back(text); }
   void OnBytes(PageId /*page*/, std::string_view bytes) override { binaries.emplace_back(bytes); }
   void OnPageGone(PageId page) override { gone.push_back(page); }
-  std::string Hello() override { return "{\"protocol\":1}"; }
+  std::string HelloJson() override { return "{\"protocol\":1}"; }
   std::vector<PageId> pages, gone;
   std::vector<std::string> texts, binaries;
 };

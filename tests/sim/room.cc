@@ -51,7 +51,7 @@ TEST(SimSteel, PlaneMirrorImageMatchesItsLayerOfCharge) {
       const SteelPiece plane({.position_base_m = {0.2, -0.1, h_m}, .strength = strength});
       for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{0.08, 0.03, -0.02}, Vec3{-0.05, 0.06, 0.09}}) {
         const Vec3 layer_T = strength * LayerField(h_m, p);
-        EXPECT_LT(Norm(SteelPiece::Answer(plane, OfDipole).At(p) - layer_T), 3e-3 * Norm(layer_T)) << h_m;
+        EXPECT_LT(Norm(SteelPiece::Answer(plane, OfDipole).FieldAt(p) - layer_T), 3e-3 * Norm(layer_T)) << h_m;
       }
     }
   }
@@ -62,7 +62,7 @@ TEST(SimSteel, PlaneCancelsTheTangentialField) {
   const SteelPiece wall({.position_base_m = {0, 0, -0.2}, .direction_base = normal});
   for (const double across_m : {-0.1, 0.0, 0.2}) {
     const Vec3 p = Vec3{0, 0, -0.2} + across_m * Perpendicular(normal);
-    const Vec3 total_T = OfDipole(p) + SteelPiece::Answer(wall, OfDipole).At(p);
+    const Vec3 total_T = OfDipole(p) + SteelPiece::Answer(wall, OfDipole).FieldAt(p);
     EXPECT_LT(Norm(total_T - Dot(total_T, normal) * normal), 1e-12 * Norm(total_T));
   }
 }
@@ -88,7 +88,7 @@ TEST(SimSteel, BallMatchesASphereInTheFarField) {
   sphere.PlaceImages(charges, images);
   for (const Vec3& p : {Vec3{0, 0, 0.02}, Vec3{-0.03, 0.08, 0}, Vec3{0.2, 0.2, 0.1}}) {
     const Vec3 exact_T = FieldOf(images, p - centre_m);
-    EXPECT_LT(Norm(SteelPiece::Answer(ball, OfDipole).At(p) - exact_T), 0.03 * Norm(exact_T));
+    EXPECT_LT(Norm(SteelPiece::Answer(ball, OfDipole).FieldAt(p) - exact_T), 0.03 * Norm(exact_T));
   }
 }
 

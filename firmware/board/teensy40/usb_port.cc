@@ -26,7 +26,7 @@ void LeaveTheBootLoadersSession() noexcept {
 
 }  // namespace
 
-std::size_t UsbPort::Handler::Hello(std::uint8_t* frame, std::size_t capacity) noexcept {
+std::size_t UsbPort::Handler::WriteHello(std::uint8_t* frame, std::size_t capacity) noexcept {
   wire::Hello hello;
   hello.firmware_version = settings.firmware_version;
   hello.capabilities = settings.capabilities;

@@ -95,7 +95,7 @@ class UsbPort {
     const firmware::Settings& settings;
     std::atomic<bool> emergency_stop{false};
     void EmergencyStop() noexcept { emergency_stop.store(true); }
-    std::size_t Hello(std::uint8_t* frame, std::size_t capacity) noexcept;
+    std::size_t WriteHello(std::uint8_t* frame, std::size_t capacity) noexcept;
   };
 
   Bus bus_;

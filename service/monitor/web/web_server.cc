@@ -293,7 +293,7 @@ http::response<http::string_body> WebServer::Impl::Answer(const http::request<ht
       return Text(version, http::status::forbidden,
                   "the token is missing, or of another start of omni; open the address that it printed\n");
     }
-    return Response(version, http::status::ok, "application/json", head ? std::string() : handler.Hello());
+    return Response(version, http::status::ok, "application/json", head ? std::string() : handler.HelloJson());
   }
   for (const PageFile& file : kPageFiles) {
     if (target != file.target) continue;

@@ -26,7 +26,7 @@ class WebHandler {
   virtual void OnBytes(PageId page, std::string_view bytes) = 0;
   virtual void OnPageGone(PageId page) = 0;
   // The body of GET /hello, JSON.
-  virtual std::string Hello() = 0;
+  virtual std::string HelloJson() = 0;
 };
 
 struct WebOptions {

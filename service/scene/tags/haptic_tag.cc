@@ -313,7 +313,8 @@ double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& wa
   struct Tip {
     double radius_m = 0;
   };
-  constexpr std::array kKeys = {base::NumberField<Tip>{"tip.radius", "m", 0, 0.01, base::Member<&Tip::radius_m>(), ""}};
+  constexpr std::array kKeys = {
+      base::NumberField<Tip>{"tip.radius", "m", 0, 0.01, base::AccessMember<&Tip::radius_m>(), ""}};
   const Json* extras = FindMember(scene, "extras");
   const Json* haptic = extras ? FindMember(*extras, "haptic") : nullptr;
   const Json* tip = haptic ? FindMember(*haptic, "tip") : nullptr;

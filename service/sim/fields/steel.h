@@ -26,7 +26,7 @@ class SteelPiece {
     // mean_T = piece.MeanField(field_T), known already.
     Answer(const SteelPiece& piece, const Field& field_T, const Vec3& mean_T) noexcept
         : piece_(piece), field_T_(field_T), mean_T_(mean_T) {}
-    Vec3 At(const Vec3& point_base_m) const noexcept {
+    Vec3 FieldAt(const Vec3& point_base_m) const noexcept {
       if (!piece_.IsPlane()) return piece_.AnswerTo(mean_T_, point_base_m);
       const Vec3 mirrored_T = field_T_(piece_.MirroredPoint(point_base_m));
       return -piece_.steel_.strength * piece_.MirroredDirection(mirrored_T);

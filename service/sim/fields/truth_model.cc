@@ -72,9 +72,9 @@ class TruthModel::SteelAndCore {
   SteelAndCore(const TruthModel& model, const SteelPiece& piece, const Field& field_T, const Vec3& mean_T) noexcept
       : model_(model),
         answer_(piece, field_T, mean_T),
-        core_Am2_(model.CoreAnswer_Am2(answer_.At(model.core_centre_base_m_))) {}
-  Vec3 At(const Vec3& point_base_m) const noexcept {
-    return answer_.At(point_base_m) + model_.CoreField(core_Am2_, point_base_m);
+        core_Am2_(model.CoreAnswer_Am2(answer_.FieldAt(model.core_centre_base_m_))) {}
+  Vec3 FieldAt(const Vec3& point_base_m) const noexcept {
+    return answer_.FieldAt(point_base_m) + model_.CoreField(core_Am2_, point_base_m);
   }
 
  private:
@@ -134,15 +134,16 @@ TruthModel::TruthModel(const Made& made, const Imperfections& imperfections, boo
       const auto of_coil = [&](const Vec3& p) { return polarity_[k] * coils_[k].FieldBySeries(p); };
       in_coils_T_A[k] = piece.MeanField(of_coil);
       const SteelAndCore answer(*this, piece, of_coil, in_coils_T_A[k]);
-      for (std::size_t i = 0; i < at.size(); ++i) at[i].coil_base_T_A[k] = answer.At(sensors_[i].position_base_m);
+      for (std::size_t i = 0; i < at.size(); ++i) at[i].coil_base_T_A[k] = answer.FieldAt(sensors_[i].position_base_m);
     }
     for (std::size_t j = 0; j < kUnits.size(); ++j) {
       const auto of_moment = [&](const Vec3& p) { return CoreField(kUnits[j], p); };
       const SteelAndCore answer(*this, piece, of_moment);
-      for (std::size_t i = 0; i < at.size(); ++i) at[i].core_base_T_Am2[j] = answer.At(sensors_[i].position_base_m);
+      for (std::size_t i = 0; i < at.size(); ++i)
+        at[i].core_base_T_Am2[j] = answer.FieldAt(sensors_[i].position_base_m);
       if (piece.IsPlane()) continue;
       const SteelAndCore of_mean(*this, piece, of_moment, kUnits[j]);
-      for (std::size_t i = 0; i < at.size(); ++i) at[i].mean_base_T_T[j] = of_mean.At(sensors_[i].position_base_m);
+      for (std::size_t i = 0; i < at.size(); ++i) at[i].mean_base_T_T[j] = of_mean.FieldAt(sensors_[i].position_base_m);
     }
   }
 }
@@ -182,7 +183,7 @@ Vec3 TruthModel::SteelField(std::size_t index, bool present, const CoilArray& cu
     const SteelAtSensor& at = steel_at_[j][index];
     const Vec3 mean_T = steel_[j].MeanField(of_tool_and_magnets);
     if (steel_[j].IsPlane()) {
-      field_T += SteelAndCore(*this, steel_[j], of_tool_and_magnets, mean_T).At(sensors_[index].position_base_m);
+      field_T += SteelAndCore(*this, steel_[j], of_tool_and_magnets, mean_T).FieldAt(sensors_[index].position_base_m);
     } else {
       field_T += mean_T.x * at.mean_base_T_T[0] + mean_T.y * at.mean_base_T_T[1] + mean_T.z * at.mean_base_T_T[2];
     }
@@ -295,7 +296,7 @@ void TruthModel::AddSteel(std::size_t j, const Vec3& centre_base_m, ForceMap& ma
   const auto add = [&](const auto& field_T, const Vec3& mean_T, ForceAndTorque& sum) {
     const SteelAndCore answer(*this, steel_[j], field_T, mean_T);
     for (std::size_t i = 0; i < far_.charges.size(); ++i) {
-      Accumulate(sum, far_.charges, i, centre_base_m, answer.At(far_.charges.position(i)));
+      Accumulate(sum, far_.charges, i, centre_base_m, answer.FieldAt(far_.charges.position(i)));
     }
   };
   const auto of_tool = [&](const Vec3& p) { return FieldOf(far_.charges, p) + FieldOf(far_images_, p); };

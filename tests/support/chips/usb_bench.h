@@ -15,7 +15,7 @@ namespace omni::support {
 
 struct UsbHandler {
   void EmergencyStop() noexcept { ++stops; }
-  std::size_t Hello(std::uint8_t* frame, std::size_t capacity) noexcept {
+  std::size_t WriteHello(std::uint8_t* frame, std::size_t capacity) noexcept {
     for (std::size_t i = 0; i < hello_size && i < capacity; ++i) frame[i] = static_cast<std::uint8_t>(0x40 + i);
     return hello_size;
   }
