@@ -3,8 +3,8 @@
 #include <limits>
 #include <random>
 
-#include "service/loop/probe/alloc_probe.h"
 #include "tests/deformable/scenario.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/soft_step.h"
 
 namespace omni::haptics {

@@ -3,8 +3,8 @@
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene/scene.h"
-#include "service/loop/probe/alloc_probe.h"
 #include "tests/deformable/scenario.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/soft_step.h"
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "service/device/usb/usb_transport.h"
-#include "service/loop/probe/alloc_probe.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/chips/fake_usb.h"
 
 namespace omni::device {

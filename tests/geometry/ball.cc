@@ -4,8 +4,8 @@
 #include "service/haptics/contact/proxy.h"
 #include "service/haptics/contact/shading.h"
 #include "service/haptics/scene/scene.h"
-#include "service/loop/probe/alloc_probe.h"
 #include "tests/geometry/ball_scenario.h"
+#include "tests/support/alloc_probe.h"
 
 namespace omni::haptics {
 namespace test_geometry_ball {

@@ -1,8 +1,8 @@
 // A tip that is a ball, and force shading, in the tick.
 #include <gtest/gtest.h>
 
-#include "service/loop/probe/alloc_probe.h"
 #include "tests/haptics/scenario.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/touch/sculpt_hand.h"
 
 namespace omni::haptics {

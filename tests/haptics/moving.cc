@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "service/haptics/contact/frame.h"
-#include "service/loop/probe/alloc_probe.h"
 #include "tests/haptics/scenario.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/same_bits.h"
 
 namespace omni::haptics {

@@ -6,8 +6,8 @@
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/live/scene_changes.h"
 #include "service/haptics/scene/scene.h"
-#include "service/loop/probe/alloc_probe.h"
 #include "tests/haptics/scenario.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/same_bits.h"
 
 namespace omni::haptics {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "service/haptics/scene/scene.h"
-#include "service/loop/probe/alloc_probe.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/touch/scenario.h"
 
 namespace omni::test {

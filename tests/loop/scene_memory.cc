@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "service/loop/probe/alloc_probe.h"
 #include "service/loop/scene_memory.h"
+#include "tests/support/alloc_probe.h"
 
 namespace omni::loop {
 namespace test_loop_scene_memory {

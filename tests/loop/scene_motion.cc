@@ -3,9 +3,9 @@
 
 #include "service/haptics/contact/frame.h"
 #include "service/haptics/scene/scene.h"
-#include "service/loop/probe/alloc_probe.h"
 #include "service/loop/scene_motion.h"
 #include "tests/haptics/scenario.h"
+#include "tests/support/alloc_probe.h"
 
 namespace omni::loop {
 namespace test_loop_scene_motion {

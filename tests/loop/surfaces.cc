@@ -6,9 +6,9 @@
 #include <limits>
 #include <thread>
 
-#include "service/loop/probe/alloc_probe.h"
 #include "service/loop/surface_snapshot.h"
 #include "service/loop/tick_thread.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/touch/scenario.h"
 
 namespace omni::test {

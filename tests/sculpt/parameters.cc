@@ -3,7 +3,7 @@
 
 #include "service/haptics/sculpt/mesh/check_manifold.h"
 #include "service/haptics/sculpt/sculpt_query.h"
-#include "service/loop/probe/alloc_probe.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/touch/sculpt_hand.h"
 
 namespace omni::haptics::sculpt {

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <random>
 
-#include "service/loop/probe/alloc_probe.h"
 #include "service/magnetics/dipole.h"
 #include "service/magnetics/nominal.h"
 #include "service/tracker/tracker.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/rig/nominal_device.h"
 #include "tests/support/rig/tool_scan.h"
 

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
-#include "service/loop/probe/alloc_probe.h"
 #include "service/magnetics/nominal.h"
 #include "service/tracker/tracker.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/rig/nominal_device.h"
 #include "tests/support/rig/tool_scan.h"
 

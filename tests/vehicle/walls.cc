@@ -7,7 +7,7 @@
 #include "service/base/force_limit.h"
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/vehicle/car_force.h"
-#include "service/loop/probe/alloc_probe.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/vehicle/scene.h"
 
 namespace omni::haptics {

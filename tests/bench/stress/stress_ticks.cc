@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "service/base/in_parallel.h"
-#include "service/loop/probe/alloc_probe.h"
 #include "service/loop/realtime.h"
 #include "service/loop/tick_config.h"
 #include "service/tools/scene/scene.h"
 #include "tests/bench/harness/errors.h"
 #include "tests/bench/stress/stress.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/rig/scan_faults.h"
 #include "tests/support/rig/trace.h"
 

@@ -8,11 +8,11 @@
 #include "service/daemon/virtual_run.h"
 #include "service/haptics/live/make_live.h"
 #include "service/haptics/scene/scene.h"
-#include "service/loop/probe/alloc_probe.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/twin/twin.h"
 #include "service/tools/calibrate/calibrate_twin.h"
 #include "service/tools/scene/scene.h"
+#include "tests/support/alloc_probe.h"
 #include "tests/support/touch/fresh_scene.h"
 
 namespace omni::test {

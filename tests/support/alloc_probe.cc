@@ -1,4 +1,4 @@
-#include "service/loop/probe/alloc_probe.h"
+#include "tests/support/alloc_probe.h"
 
 #include <cstddef>
 #include <cstdlib>
