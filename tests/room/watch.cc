@@ -17,8 +17,8 @@
 #include "service/haptics/scene/scene.h"
 #include "service/loop/tick_config.h"
 #include "service/room/room_watch.h"
-#include "service/sim/hand/hand.h"
 #include "service/sim/twin/loopback.h"
+#include "tests/support/hand/ordinary_hand.h"
 #include "tests/support/rig/rig.h"
 
 namespace omni::test {

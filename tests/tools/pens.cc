@@ -15,9 +15,9 @@
 #include "service/haptics/scene/scene.h"
 #include "service/loop/tick_config.h"
 #include "service/room/room_watch.h"
-#include "service/sim/hand/hand.h"
 #include "service/sim/twin/loopback.h"
 #include "service/tools/calibrate/calibrate_twin.h"
+#include "tests/support/hand/ordinary_hand.h"
 #include "tests/support/rig/magnet_of_scan.h"
 
 namespace omni::test {

@@ -11,9 +11,9 @@
 #include "service/config/files/device_file.h"
 #include "service/config/files/twin_file.h"
 #include "service/sim/fields/vec3.h"
-#include "service/sim/hand/hand.h"
 #include "service/sim/twin/loopback.h"
 #include "service/tracker/tracker.h"
+#include "tests/support/hand/ordinary_hand.h"
 #include "tests/support/rig/magnet_of_scan.h"
 
 namespace omni::tracker {

@@ -15,7 +15,6 @@
 #include "service/sim/coils/coil_bank.h"
 #include "service/sim/fields/truth_model.h"
 #include "service/sim/hand/hand.h"
-#include "service/sim/hand/motion.h"
 #include "service/sim/twin/recording.h"
 #include "service/sim/twin/tick_sampler.h"
 #include "service/sim/twin/twin.h"
@@ -76,6 +75,18 @@ struct BridgeParameters {
   double diode_V = 0.8;  // each of the two that conduct while a bridge sleeps
   double fan_max_rpm = 3000;
   double fan_start_s = 0.5;  // time constant
+};
+
+// Pose of a pen that follows a path regardless of forces.
+class PenMotion {
+ public:
+  struct State {
+    MagnetPose pose;
+    Vec3 velocity_base_m_s;  // of the magnet's centre
+  };
+  virtual ~PenMotion() = default;
+  virtual State StateAt(double t_s) const noexcept = 0;  // t >= 0
+  virtual MagnetPose Pose(double t_s) const noexcept { return StateAt(t_s).pose; }
 };
 
 struct PlantOptions {

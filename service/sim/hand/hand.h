@@ -2,7 +2,6 @@
 // turns it as wanted, and yields to magnetic force. The pen never enters the hull.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -81,19 +80,5 @@ class Hand {
 // First violation of the limits in hand_script.cc as a message that starts with the JSON pointer; empty if there is
 // none.
 std::string CheckHandScript(const HandScript& script);
-
-// A person who works with the pen (ordinary_hand.cc): moves, stops, taps the hull, rests, and lays the pen on the hull
-// now and then.
-struct OrdinaryHandOptions {
-  std::uint64_t seed = 1;
-  double duration_s = 60;
-  double radius_max_m = 0.09;  // of the magnet's centre
-  double tilt_max_rad = 0.7853981633974483;
-  double speed_min_m_s = 0.1, speed_max_m_s = 0.5;  // greatest of a movement
-  double tremor_m = 0.1e-3;
-  double above_s = 0;  // at first, at rest above the base with the tip down, as the hands of the shipped scenes begin
-};
-
-HandScript MakeOrdinaryHand(const base::DeviceGeometry& device, const OrdinaryHandOptions& options);
 
 }  // namespace omni::sim

@@ -15,10 +15,10 @@
 #include "service/loop/realtime.h"
 #include "service/loop/tick.h"
 #include "service/loop/tick_config.h"
-#include "service/sim/hand/motion.h"
 #include "service/sim/twin/loopback.h"
 #include "service/tools/common/row_table.h"
 #include "tests/bench/harness/bench.h"
+#include "tests/support/hand/free_motion.h"
 
 namespace omni::bench {
 namespace {

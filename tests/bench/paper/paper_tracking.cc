@@ -14,11 +14,11 @@
 #include "service/config/files/twin_file.h"
 #include "service/magnetics/nominal.h"
 #include "service/sim/fields/vec3.h"
-#include "service/sim/hand/motion.h"
 #include "service/tools/common/row_table.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/paper/paper.h"
 #include "tests/bench/peers/paper_method.h"
+#include "tests/support/hand/free_motion.h"
 #include "tests/support/rig/rig.h"
 #include "tests/support/rig/rig_recording.h"
 

@@ -11,7 +11,6 @@
 
 #include "service/sim/fields/random.h"
 #include "service/sim/fields/vec3.h"
-#include "service/sim/hand/motion.h"
 #include "service/sim/twin/loopback.h"
 #include "service/tools/common/row_table.h"
 #include "service/tracker/tracker.h"

@@ -16,13 +16,13 @@
 #include <vector>
 
 #include "service/base/in_parallel.h"
-#include "service/sim/hand/hand.h"
 #include "service/tools/common/row_table.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/errors.h"
 #include "tests/bench/harness/room_conditions.h"
 #include "tests/bench/harness/tracker_numbers.h"
 #include "tests/bench/tracking/pressed_box.h"
+#include "tests/support/hand/ordinary_hand.h"
 #include "tests/support/rig/trace.h"
 
 namespace omni::bench {

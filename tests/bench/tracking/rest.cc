@@ -10,10 +10,10 @@
 #include "service/base/in_parallel.h"
 #include "service/config/files/twin_file.h"
 #include "service/sim/fields/vec3.h"
-#include "service/sim/hand/hand.h"
 #include "service/sim/twin/loopback.h"
 #include "service/tracker/tracker.h"
 #include "tests/bench/tracking/tracking.h"
+#include "tests/support/hand/ordinary_hand.h"
 
 namespace omni::bench {
 namespace {

@@ -22,7 +22,6 @@
 #include "service/haptics/scene/scene.h"
 #include "service/loop/tick_config.h"
 #include "service/sim/fields/vec3.h"
-#include "service/sim/hand/hand.h"
 #include "service/tools/common/row_table.h"
 #include "service/tools/scene/scene.h"
 #include "service/tracker/tracker.h"
@@ -30,6 +29,7 @@
 #include "tests/bench/harness/errors.h"
 #include "tests/bench/harness/room_conditions.h"
 #include "tests/bench/tracking/pressed_box.h"
+#include "tests/support/hand/ordinary_hand.h"
 #include "tests/support/rig/trace.h"
 #include "tests/support/touch/fresh_scene.h"
 

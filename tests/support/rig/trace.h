@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "service/base/hall_scan.h"
-#include "service/sim/hand/motion.h"
+#include "tests/support/hand/free_motion.h"
 #include "tests/support/rig/rig.h"
 
 namespace omni::sim {

@@ -1,4 +1,4 @@
-#include "service/sim/hand/motion.h"
+#include "tests/support/hand/free_motion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "service/base/device_geometry.h"
-#include "service/sim/fields/charges.h"
+#include "service/sim/coils/plant.h"
 #include "service/sim/fields/tremor.h"
 
 namespace omni::sim {
@@ -20,18 +20,6 @@ struct MotionOptions {
   double speed_max_m_s = 0.5;             // of the magnet's centre; slows down to nearly zero now and then
   double turn_rate_max_rad_s = 5;         // of its axis
   double tremor_m = 0;                    // rms, 8-12 Hz, on top of the speed
-};
-
-// Pose of a pen that follows a path regardless of forces.
-class PenMotion {
- public:
-  struct State {
-    MagnetPose pose;
-    Vec3 velocity_base_m_s;  // of the magnet's centre
-  };
-  virtual ~PenMotion() = default;
-  virtual State StateAt(double t_s) const noexcept = 0;  // t >= 0
-  virtual MagnetPose Pose(double t_s) const noexcept { return StateAt(t_s).pose; }
 };
 
 class FreeMotion final : public PenMotion {

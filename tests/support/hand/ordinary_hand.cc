@@ -1,4 +1,4 @@
-#include "service/sim/hand/hand.h"
+#include "tests/support/hand/ordinary_hand.h"
 
 #include <algorithm>
 #include <cmath>
