@@ -1,5 +1,5 @@
 // The drill reaches the states it is meant to cover, and its checksum is reproducible; other targets compare with it.
-#include "firmware/core/drill.h"
+#include "tests/support/drill.h"
 
 #include <gtest/gtest.h>
 

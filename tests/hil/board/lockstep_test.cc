@@ -6,12 +6,12 @@
 #include <cstdio>
 #include <cstring>
 
-#include "firmware/core/drill.h"
 #include "firmware/core/lockstep_board.h"
 #include "firmware/wire/frame.h"
 #include "tests/hil/board/qemu_board.h"
 #include "tests/hil/board/session.h"
 #include "tests/hil/board/tools.h"
+#include "tests/support/drill.h"
 
 namespace omni::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "firmware/core/drill.h"
+#include "tests/support/drill.h"
 
 #include <cstring>
 

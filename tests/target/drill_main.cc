@@ -4,7 +4,7 @@
 #include "firmware/board/mps2_an500/semihosting.h"
 #include "firmware/board/mps2_an500/start.h"
 #include "firmware/board/mps2_an500/text.h"
-#include "firmware/core/drill.h"
+#include "tests/support/drill.h"
 
 namespace omni::firmware::board {
 
