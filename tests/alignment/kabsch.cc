@@ -1,6 +1,8 @@
-// Closed-form fits against truth, and where textbooks go wrong: reflections, weights.
+// Closed-form fits against truth, where textbooks go wrong (reflections, weights), and the joint fit against them.
 #include <gtest/gtest.h>
 
+#include "service/alignment/fit.h"
+#include "tests/alignment/closed_form.h"
 #include "tests/support/rig/alignment_scenario.h"
 
 namespace omni::alignment {
@@ -84,6 +86,33 @@ TEST(AlignmentKabsch, FourDofMinimisesTheYawResidual) {
     };
     EXPECT_LT(cost(0), cost(1e-3));
     EXPECT_LT(cost(0), cost(-1e-3));
+  }
+}
+
+// A tip that is known and weights that are equal leave the joint fit nothing but these point sets.
+TEST(AlignmentKabsch, JointFitOfAKnownTipIsTheClosedForm) {
+  constexpr base::Vec3 kTip{0.01, -0.02, -0.1};
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    test::AlignmentScenario scenario(seed);
+    const Rigid truth = scenario.AnyBase();
+    std::vector<Sample> samples;
+    std::vector<PointPair> pairs;
+    for (int i = 0; i < 12; ++i) {
+      samples.push_back(scenario.At(truth, scenario.PointOfBase(), kTip, 2e-3, i));
+      pairs.push_back(
+          {.base_m = samples.back().point_base_m, .space_m = TransformPoint(samples.back().controller_space, kTip)});
+    }
+    Prior prior;
+    prior.level = false;
+    prior.robust = false;
+    prior.tip_controller_m = kTip;
+    prior.tip_sigma_m = 1e-8;
+    const auto outcome = FitBasePose(samples, prior, {});
+    ASSERT_TRUE(outcome.ok()) << seed << ": " << outcome.error();
+    const Rigid closed = FitSixDof(pairs);
+    EXPECT_GT(Distance_m(closed, truth, kWorkingPoint_base_m), 1e-4) << seed;
+    EXPECT_LT(Distance_m(outcome->base_space, closed, kWorkingPoint_base_m), 1e-6) << seed;
+    EXPECT_LT(Angle_rad(outcome->base_space, closed), 1e-5) << seed;
   }
 }
 
