@@ -60,6 +60,7 @@ struct Trial {
 // outcome.explained, which says that some pose fits, this one or another. A row costs a measurement and a fit, 2 to 4
 // us, and is tried in a tick: what takes longer is divided over scans. One that has a source of its own, beside drift
 // and stray field, subtracts it from the measurement, or Learn would take it for the stray field.
+// Each is needed by a test: tests/tracker/hypotheses.cc.
 struct Hypothesis {
   const char* name;                              // also that of ToolState::hypothesis
   int times;                                     // cold rows: that it is tried in turn, each time otherwise; else 1
