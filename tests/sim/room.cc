@@ -119,7 +119,7 @@ TEST(SimSteel, BarMatchesAnEllipsoid) {
         surface_T += (1e-7 * charge_Am / kSpokes / std::pow(Norm(d), 3)) * d;
       }
     }
-    EXPECT_LT(Norm(SteelPiece::Answer(bar, field).At(p) - surface_T), 0.01 * Norm(surface_T));
+    EXPECT_LT(Norm(SteelPiece::Answer(bar, field).FieldAt(p) - surface_T), 0.01 * Norm(surface_T));
   }
 }
 
