@@ -1,7 +1,6 @@
 #include "service/haptics/geometry/mesh_steps.h"
 
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
 #include "service/haptics/geometry/winding_number.h"
@@ -10,16 +9,23 @@
 namespace omni::haptics {
 namespace {
 
-constexpr std::size_t kSamples = 16;                     // of a component, equal parts of its area
-constexpr std::size_t kMaxAsked = 4096;                  // largest components by area; smaller ones stay as they are
+constexpr std::size_t kSamples = 16;                     // of a component, equal parts of its area ...
+constexpr std::size_t kMaxSamples = 1024;                // ... of all together; each asked has one at least
 constexpr std::size_t kMaxWindingTriangles = 2'000'000;  // larger meshes of many parts: by the sign of volumes alone
+constexpr std::size_t kFewTriangles = 4;                 // an open part of fewer encloses nothing: it is not asked
 constexpr int kMaxRounds = 8;
 constexpr double kSure = 0.02;  // a sheet's winding number on itself is 0, within the tree's error
 
+// What may be spent, in nodes and triangles visited: about as much as the rest of the build takes.
+constexpr std::uint64_t kWork = 200'000, kWorkPerTriangle = 64;
+constexpr std::uint64_t kComparedPerWork = 4;  // pairs of boxes
+
 struct Part {
-  double volume_m3 = 0;  // signed
+  double volume_m3 = 0;  // signed; of an open part, closed by its middle
   double area_m2 = 0;
+  std::uint32_t triangles = 0;
   bool closed = true;
+  Vec3 middle;
   Vec3 lower{1e30, 1e30, 1e30}, upper{-1e30, -1e30, -1e30};
   std::vector<std::uint32_t> samples;  // triangles
 };
@@ -34,119 +40,178 @@ double TriangleArea(const Mesh& mesh, std::uint32_t t) {
   return 0.5 * Norm(Cross(mesh.vertices[b] - mesh.vertices[a], mesh.vertices[c] - mesh.vertices[a]));
 }
 
-// V = 1/6 sum a . (b x c), relative to a vertex of the mesh so that far-away meshes keep their digits.
+// V = 1/6 sum a . (b x c), relative to the part's middle: meshes far away keep their digits, and an open part gets the
+// volume between it and its middle.
 std::vector<Part> PartsOf(const Mesh& mesh, std::uint32_t count) {
   std::vector<Part> parts(count);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     Part& part = parts[mesh.component[t]];
-    std::array<Vec3, 3> c;
+    const auto& [a, b, c] = mesh.triangles[t];
+    const double area_m2 = TriangleArea(mesh, t);
+    part.area_m2 += area_m2;
+    part.middle = part.middle + (area_m2 / 3) * (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]);
+    ++part.triangles;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3& v = mesh.vertices[mesh.triangles[t][k]];
-      c[k] = v - mesh.vertices[0];
       part.lower = Min(part.lower, v);
       part.upper = Max(part.upper, v);
       part.closed = part.closed && mesh.neighbours[t][k] != kNoIndex;
     }
-    part.volume_m3 += Dot(c[0], Cross(c[1], c[2])) / 6;
-    part.area_m2 += TriangleArea(mesh, t);
+  }
+  for (Part& part : parts) part.middle = part.area_m2 > 0 ? (1 / part.area_m2) * part.middle : part.lower;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    Part& part = parts[mesh.component[t]];
+    const auto& [a, b, c] = mesh.triangles[t];
+    part.volume_m3 +=
+        Dot(mesh.vertices[a] - part.middle, Cross(mesh.vertices[b] - part.middle, mesh.vertices[c] - part.middle)) / 6;
   }
   return parts;
 }
 
-// One triangle of each of kSamples equal parts of the area, in the order of the mesh.
-void PickSamples(const Mesh& mesh, std::vector<Part>& parts) {
-  std::vector<double> passed(parts.size(), 0);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    Part& part = parts[mesh.component[t]];
-    double& area = passed[mesh.component[t]];
-    area += TriangleArea(mesh, t);
-    const double next = (static_cast<double>(part.samples.size()) + 0.5) / kSamples * part.area_m2;
-    if (part.samples.size() < kSamples && area >= next) part.samples.push_back(t);
+// Which parts may be wrong. A closed one of positive volume is right: only what lies around it, turned inside-out,
+// could make its winding number negative. Largest first.
+std::vector<std::uint32_t> Doubtful(const std::vector<Part>& parts) {
+  std::vector<std::uint32_t> doubtful;
+  for (std::uint32_t p = 0; p < parts.size(); ++p) {
+    const Part& part = parts[p];
+    if (part.closed ? part.volume_m3 < 0 : part.triangles >= kFewTriangles) doubtful.push_back(p);
   }
+  std::sort(doubtful.begin(), doubtful.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return parts[a].area_m2 != parts[b].area_m2 ? parts[a].area_m2 > parts[b].area_m2 : a < b;
+  });
+  return doubtful;
 }
 
-// Mean winding number on the part itself. Its front lies 1/2 lower, its back 1/2 higher: a wall of a solid has
-// n + 1/2 with n >= 0 solids in front of it, an inside-out one less than 0   (R.6)
-double WindingOn(const Mesh& mesh, const WindingTree& tree, const Part& part) {
-  double sum = 0;
-  for (const std::uint32_t t : part.samples) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    sum += tree.At((1.0 / 3) * (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]), t);
-  }
-  return part.samples.empty() ? 0 : sum / static_cast<double>(part.samples.size());
-}
+// Asks for winding numbers until the work is spent; then the sign of volumes decides.
+class Turner {
+ public:
+  Turner(Mesh& mesh, std::vector<Part>& parts, OrientReport& report)
+      : mesh_(mesh),
+        parts_(parts),
+        report_(report),
+        flip_(parts.size(), false),
+        winding_(parts.size(), 0),
+        left_(static_cast<std::int64_t>(kWork + kWorkPerTriangle * mesh.triangles.size())) {}
 
-void FlipParts(Mesh& mesh, const std::vector<bool>& flip) {
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (flip[mesh.component[t]]) Flip(mesh, t);
-  }
-}
-
-std::vector<std::uint32_t> LargestFirst(const std::vector<Part>& parts) {
-  std::vector<std::uint32_t> order(parts.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return parts[a].area_m2 > parts[b].area_m2; });
-  if (order.size() > kMaxAsked) order.resize(kMaxAsked);
-  return order;
-}
-
-// Of the parts that are wrong, those that lie in no other wrong one are flipped; what they contain is checked again,
-// because its winding number counts them.
-std::vector<bool> OutermostWrong(const std::vector<Part>& parts, const std::vector<std::uint32_t>& wrong) {
-  std::vector<bool> flip(parts.size(), false);
-  for (const std::uint32_t inner : wrong) {
-    flip[inner] = std::none_of(wrong.begin(), wrong.end(), [&](std::uint32_t outer) {
-      return outer != inner && PartContains(parts[outer], parts[inner]);
-    });
-  }
-  return flip;
-}
-
-void TurnByWinding(Mesh& mesh, std::vector<Part>& parts, OrientReport& report) {
-  PickSamples(mesh, parts);
-  const std::vector<std::uint32_t> asked = LargestFirst(parts);
-  WindingTree tree(mesh);
-  std::vector<double> winding(parts.size(), 0);
-  for (int round = 0; round < kMaxRounds; ++round) {
-    std::vector<std::uint32_t> wrong;
-    for (const std::uint32_t p : asked) {
-      winding[p] = WindingOn(mesh, tree, parts[p]);
-      if (winding[p] < -kSure) wrong.push_back(p);
+  void ByWinding(const std::vector<std::uint32_t>& doubtful) {
+    PickSamples(doubtful);
+    WindingTree tree(mesh_);
+    std::vector<std::uint32_t> asked = doubtful, unasked;
+    for (int round = 0; round < kMaxRounds; ++round) {
+      std::vector<std::uint32_t> wrong;
+      std::size_t next = 0;
+      for (; next < asked.size() && left_ > 0; ++next) {
+        const std::uint32_t p = asked[next];
+        winding_[p] = WindingOn(tree, parts_[p]);
+        if (winding_[p] < -kSure) wrong.push_back(p);
+      }
+      if (round == 0) unasked.assign(asked.begin() + static_cast<std::ptrdiff_t>(next), asked.end());
+      asked.resize(next);
+      if (wrong.empty() || left_ <= 0) {
+        for (const std::uint32_t p : wrong) Mark(p);
+        break;
+      }
+      FlipOutermost(wrong);
+      std::erase_if(asked, [&](std::uint32_t p) { return parts_[p].closed && parts_[p].volume_m3 >= 0; });
+      left_ -= static_cast<std::int64_t>(mesh_.triangles.size());
+      tree.Refit();
     }
-    if (wrong.empty()) break;
-    const std::vector<bool> flip = OutermostWrong(parts, wrong);
-    FlipParts(mesh, flip);
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      if (!flip[p]) continue;
-      parts[p].volume_m3 = -parts[p].volume_m3;
-      ++report.flipped;
-    }
-    tree.Refit();
+    report_.by_volume = static_cast<std::uint32_t>(unasked.size());
+    ByVolume(unasked);
+    for (const std::uint32_t p : doubtful)
+      report_.cavities += parts_[p].closed && parts_[p].volume_m3 < 0 && winding_[p] > kSure;
   }
-  for (const std::uint32_t p : asked)
-    report.cavities += parts[p].closed && parts[p].volume_m3 < 0 && winding[p] > kSure;
-}
+
+  void ByVolume(const std::vector<std::uint32_t>& doubtful) {
+    for (const std::uint32_t p : doubtful) {
+      if (parts_[p].volume_m3 < 0) Mark(p);
+    }
+    Flip();
+  }
+
+ private:
+  // One triangle of each of some equal parts of the area, in the order of the mesh.
+  void PickSamples(const std::vector<std::uint32_t>& doubtful) {
+    const std::size_t each = std::clamp<std::size_t>(kMaxSamples / doubtful.size(), 1, kSamples);
+    std::vector<bool> wanted(parts_.size(), false);
+    for (const std::uint32_t p : doubtful) wanted[p] = true;
+    std::vector<double> passed(parts_.size(), 0);
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      if (!wanted[mesh_.component[t]]) continue;
+      Part& part = parts_[mesh_.component[t]];
+      double& area = passed[mesh_.component[t]];
+      area += TriangleArea(mesh_, t);
+      const double next = (static_cast<double>(part.samples.size()) + 0.5) / static_cast<double>(each) * part.area_m2;
+      if (part.samples.size() < each && area >= next) part.samples.push_back(t);
+    }
+  }
+
+  // Mean winding number on the part itself. Its front lies 1/2 lower, its back 1/2 higher: a wall of a solid has
+  // n + 1/2 with n >= 0 solids in front of it, an inside-out one less than 0   (R.6)
+  double WindingOn(const WindingTree& tree, const Part& part) {
+    double sum = 0;
+    std::uint64_t visited = 0;
+    for (const std::uint32_t t : part.samples) {
+      const auto& [a, b, c] = mesh_.triangles[t];
+      sum += tree.At((1.0 / 3) * (mesh_.vertices[a] + mesh_.vertices[b] + mesh_.vertices[c]), t, visited);
+    }
+    left_ -= static_cast<std::int64_t>(visited);
+    return part.samples.empty() ? 0 : sum / static_cast<double>(part.samples.size());
+  }
+
+  // Of the parts that are wrong, those that lie in no other wrong one are flipped; what they contain is asked again,
+  // because its winding number counts them. What contains a box has a larger one.
+  void FlipOutermost(std::vector<std::uint32_t> wrong) {
+    const auto size = [&](std::uint32_t p) { return SquaredNorm(parts_[p].upper - parts_[p].lower); };
+    std::stable_sort(wrong.begin(), wrong.end(), [&](std::uint32_t a, std::uint32_t b) { return size(a) > size(b); });
+    std::vector<std::uint32_t> outermost;
+    for (const std::uint32_t inner : wrong) {
+      const auto contains = [&](std::uint32_t outer) { return PartContains(parts_[outer], parts_[inner]); };
+      left_ -= static_cast<std::int64_t>(outermost.size() / kComparedPerWork);
+      if (left_ > 0 && std::any_of(outermost.begin(), outermost.end(), contains)) continue;
+      outermost.push_back(inner);
+      Mark(inner);
+    }
+    Flip();
+  }
+
+  void Mark(std::uint32_t p) {
+    flip_[p] = true;
+    parts_[p].volume_m3 = -parts_[p].volume_m3;
+    ++report_.flipped;
+  }
+
+  void Flip() {
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      if (flip_[mesh_.component[t]]) haptics::Flip(mesh_, t);
+    }
+    flip_.assign(flip_.size(), false);
+  }
+
+  Mesh& mesh_;
+  std::vector<Part>& parts_;
+  OrientReport& report_;
+  std::vector<bool> flip_;
+  std::vector<double> winding_;
+  std::int64_t left_;  // work
+};
 
 }  // namespace
 
 OrientReport OrientOutwards(Mesh& mesh, std::uint32_t components) {
   OrientReport report;
   std::vector<Part> parts = PartsOf(mesh, components);
-  const bool sound =
-      std::all_of(parts.begin(), parts.end(), [](const Part& p) { return p.closed && !(p.volume_m3 < 0); });
-  if (sound) return report;
-  if (mesh.triangles.size() <= kMaxWindingTriangles && !(components == 1 && parts[0].closed)) {
-    TurnByWinding(mesh, parts, report);
-    return report;
+  const std::vector<std::uint32_t> doubtful = Doubtful(parts);
+  if (doubtful.empty()) return report;
+  Turner turner(mesh, parts, report);
+  if (components == 1 && parts[0].closed) {  // the sign of its volume says all
+    turner.ByVolume(doubtful);
+  } else if (mesh.triangles.size() > kMaxWindingTriangles) {
+    report.by_volume = static_cast<std::uint32_t>(doubtful.size());
+    turner.ByVolume(doubtful);
+  } else {
+    turner.ByWinding(doubtful);
   }
-  // One closed component: the sign of its volume says all.
-  std::vector<bool> flip(parts.size());
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    flip[p] = parts[p].closed && parts[p].volume_m3 < 0;
-    report.flipped += flip[p];
-  }
-  FlipParts(mesh, flip);
   return report;
 }
 

@@ -1,71 +1,105 @@
 #include "service/haptics/geometry/mesh_steps.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 
+#include "service/haptics/geometry/tree.h"
+#include "service/haptics/geometry/tree_lanes.h"
 #include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
 namespace {
-
-constexpr std::uint64_t kMaxPairs = 20'000'000;  // of edge and vertex that are compared: a fraction of a second
 
 struct EdgeHit {
   double s;  // along the edge, (0, 1)
   std::uint32_t vertex;
 };
 
-// Border vertices sorted along the axis in which the mesh is longest.
+// The border's vertices, in a tree of their own.
 class BorderVertices {
  public:
-  BorderVertices(const Mesh& mesh, const EdgeList& edges) : mesh_(mesh) {
-    for (const HalfEdge& edge : edges.borders) {
-      vertices_.push_back(static_cast<std::uint32_t>(edge.key >> 32));
-      vertices_.push_back(static_cast<std::uint32_t>(edge.key));
-    }
-    std::sort(vertices_.begin(), vertices_.end());
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+  BorderVertices(const Mesh& mesh, const EdgeList& edges, SnapBudget& budget) : mesh_(mesh), budget_(budget) {
+    std::vector<bool> seen(mesh.vertices.size(), false);
+    std::vector<TreePrimitive> points;
     Vec3 lower{1e30, 1e30, 1e30}, upper{-1e30, -1e30, -1e30};
-    for (const std::uint32_t v : vertices_) {
-      lower = Min(lower, mesh.vertices[v]);
-      upper = Max(upper, mesh.vertices[v]);
+    for (const HalfEdge& edge : edges.borders) {
+      for (const std::uint32_t v : {static_cast<std::uint32_t>(edge.key >> 32), static_cast<std::uint32_t>(edge.key)}) {
+        if (seen[v]) continue;
+        seen[v] = true;
+        const Vec3& p = mesh.vertices[v];
+        points.push_back(MakePrimitive(std::span(&p, 1), v, false));
+        lower = Min(lower, p);
+        upper = Max(upper, p);
+      }
     }
     const Vec3 d = upper - lower;
-    axis_ = d.x >= d.y && d.x >= d.z ? &Vec3::x : (d.y >= d.z ? &Vec3::y : &Vec3::z);
     tolerance_m_ = kSnapRelative * std::max({d.x, d.y, d.z});
-    std::sort(vertices_.begin(), vertices_.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return Along(a) != Along(b) ? Along(a) < Along(b) : a < b; });
+    // The slack of float boxes is 2^-19 of this, twice the tolerance at least.
+    extent_m_ = 4 * std::max(LargestComponent(lower), LargestComponent(upper));
+    root_ = AppendTree(points, nodes_, packets_).root;
+    for (TrianglePacket& packet : packets_) {
+      for (int lane = 0; lane < kPacketSize; ++lane) {
+        for (int k = 0; k < 3; ++k) FillPacket(packet, lane, k, mesh.vertices[packet.triangle[lane]]);
+      }
+    }
   }
 
-  // Vertices on the open segment from a to b, in order along it.
+  // Vertices on the open segment from a to b, in order along it; none once the budget is spent.
   std::vector<EdgeHit> On(std::uint32_t a, std::uint32_t b) {
     std::vector<EdgeHit> hits;
     const Vec3 &p = mesh_.vertices[a], &q = mesh_.vertices[b];
-    const Vec3 along = q - p;
-    const double length2 = SquaredNorm(along);
-    const double low = std::min(Along(a), Along(b)) - tolerance_m_, high = std::max(Along(a), Along(b)) + tolerance_m_;
-    const auto first = std::lower_bound(vertices_.begin(), vertices_.end(), low,
-                                        [&](std::uint32_t v, double x) { return Along(v) < x; });
-    for (auto v = first; v != vertices_.end() && Along(*v) <= high && pairs_ < kMaxPairs; ++v, ++pairs_) {
-      if (*v == a || *v == b) continue;
-      const Vec3 r = mesh_.vertices[*v] - p;
-      const double s = Dot(r, along) / length2;
-      const bool between = s * s * length2 > tolerance_m_ * tolerance_m_ &&
-                           (1 - s) * (1 - s) * length2 > tolerance_m_ * tolerance_m_ && s > 0 && s < 1;
-      if (between && SquaredNorm(r - s * along) <= tolerance_m_ * tolerance_m_) hits.push_back({s, *v});
+    const SegmentLanes segment(p, q, extent_m_);
+    std::array<std::uint32_t, kTreeWidth * kMaxTreeDepth> stack;
+    std::size_t size = 0;
+    stack[size++] = root_;
+    while (size > 0) {
+      if (budget_.visits == 0) return {};
+      if (hits.size() > budget_.vertices) break;
+      budget_.Spend(1);
+      const TreeNode& node = nodes_[stack[--size]];
+      for (unsigned meets = static_cast<unsigned>(MeetMask(node, segment)); meets != 0; meets &= meets - 1) {
+        const std::uint32_t child = node.child[std::countr_zero(meets)];
+        if ((child & kLeafBit) == 0) {
+          stack[size++] = child;
+          continue;
+        }
+        budget_.Spend(1);
+        const TrianglePacket& packet = packets_[child & kChildIndex];
+        for (unsigned near = static_cast<unsigned>(MeetMask(packet, segment)); near != 0; near &= near - 1) {
+          const int lane = std::countr_zero(near);
+          const std::uint32_t v = packet.triangle[lane];  // a packet that is not full repeats its first
+          if (lane == 0 || v != packet.triangle[0]) Test(a, b, v, hits);
+        }
+      }
+    }
+    if (hits.size() > budget_.vertices) {
+      budget_.visits = 0;
+      return {};
     }
     std::sort(hits.begin(), hits.end(),
               [](const EdgeHit& x, const EdgeHit& y) { return x.s != y.s ? x.s < y.s : x.vertex < y.vertex; });
+    budget_.Spend(8 * hits.size());
     return hits;
   }
 
  private:
-  double Along(std::uint32_t v) const { return mesh_.vertices[v].*axis_; }
+  void Test(std::uint32_t a, std::uint32_t b, std::uint32_t v, std::vector<EdgeHit>& hits) const {
+    if (v == a || v == b) return;
+    const Vec3 along = mesh_.vertices[b] - mesh_.vertices[a], r = mesh_.vertices[v] - mesh_.vertices[a];
+    const double length2 = SquaredNorm(along);
+    const double s = Dot(r, along) / length2;
+    const bool between = s * s * length2 > tolerance_m_ * tolerance_m_ &&
+                         (1 - s) * (1 - s) * length2 > tolerance_m_ * tolerance_m_ && s > 0 && s < 1;
+    if (between && SquaredNorm(r - s * along) <= tolerance_m_ * tolerance_m_) hits.push_back({s, v});
+  }
 
   const Mesh& mesh_;
-  std::vector<std::uint32_t> vertices_;
-  double Vec3::*axis_ = &Vec3::x;
-  double tolerance_m_ = 0;
-  std::uint64_t pairs_ = 0;
+  SnapBudget& budget_;
+  std::vector<TreeNode> nodes_;
+  std::vector<TrianglePacket> packets_;
+  std::uint32_t root_ = 0;
+  double tolerance_m_ = 0, extent_m_ = 0;
 };
 
 // Triangle t, edge k from a to b, apex c: becomes the fan (a, m1, c), (m1, m2, c), ... (mn, b, c).
@@ -107,9 +141,13 @@ void SplitAtHits(Mesh& mesh, std::uint32_t t, std::uint32_t k, const std::vector
 
 }  // namespace
 
-std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges) {
-  if (edges.borders.empty()) return 0;
-  BorderVertices vertices(mesh, edges);
+SnapBudget SnapBudgetOf(const Mesh& mesh, const EdgeList& edges) {
+  return {.visits = 10'000 + 24 * std::uint64_t{edges.borders.size()}, .vertices = 1000 + mesh.triangles.size() / 2};
+}
+
+std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges, SnapBudget& budget) {
+  if (edges.borders.empty() || budget.visits == 0) return 0;
+  BorderVertices vertices(mesh, edges, budget);
   std::vector<HalfEdge> borders = edges.borders;
   std::sort(borders.begin(), borders.end(), [](const HalfEdge& x, const HalfEdge& y) {
     return x.triangle != y.triangle ? x.triangle < y.triangle : x.edge < y.edge;
@@ -120,9 +158,15 @@ std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges) {
     if (edge.triangle == last) continue;
     const auto& t = mesh.triangles[edge.triangle];
     const std::uint32_t apex = t[(edge.edge + 2) % 3];
+    if (budget.visits == 0) {
+      ++budget.unsearched;
+      continue;
+    }
     std::vector<EdgeHit> hits = vertices.On(t[edge.edge], t[(edge.edge + 1) % 3]);
     std::erase_if(hits, [&](const EdgeHit& hit) { return hit.vertex == apex; });
-    if (hits.empty() || mesh.triangles.size() + hits.size() > kMaxTriangles) continue;
+    if (hits.empty()) continue;
+    if (mesh.triangles.size() + hits.size() > kMaxTriangles) continue;
+    budget.vertices -= hits.size();
     SplitAtHits(mesh, edge.triangle, edge.edge, hits);
     snapped += static_cast<std::uint32_t>(hits.size());
     last = edge.triangle;

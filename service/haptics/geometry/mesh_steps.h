@@ -1,6 +1,7 @@
 // The steps of ConnectAndOrient (mesh_repair.h): edges, cracks, small holes, orientation. Set-up only.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -34,9 +35,18 @@ EdgeList ConnectEdges(Mesh& mesh);
 // not neighbours. The edge is split at the vertex (mesh_snap.cc)   (R.2).
 inline constexpr double kSnapRelative = 1e-6;  // distance of vertex and edge, of the mesh's largest extent
 
+// What all rounds together may spend: about as much as the rest of the build takes, and half as many triangles more.
+struct SnapBudget {
+  std::uint64_t visits = 0;      // of nodes and leaves of the tree of border vertices; 0: nothing is split any more
+  std::uint64_t vertices = 0;    // that split an edge
+  std::uint32_t unsearched = 0;  // edges that were left, because one of these was spent
+  void Spend(std::uint64_t work) { visits -= std::min(visits, work); }
+};
+SnapBudget SnapBudgetOf(const Mesh& mesh, const EdgeList& edges);
+
 // Splits each border edge at the border vertices on it; one edge of a triangle at a time, so call it again until it
 // gives 0. Neighbours are not up to date afterwards. Returns the number of vertices that split an edge.
-std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges);
+std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges, SnapBudget& budget);
 
 // Small holes of a body that is otherwise closed (mesh_holes.cc)   (R.3).
 inline constexpr std::size_t kMaxHoleEdges = 64;
@@ -51,8 +61,9 @@ std::uint32_t CloseSmallHoles(Mesh& mesh, const EdgeList& edges, std::uint32_t c
 
 // Each component's front faces out of the body (mesh_orient.cc)   (R.6).
 struct OrientReport {
-  std::uint32_t flipped = 0;   // components that were inside-out
-  std::uint32_t cavities = 0;  // closed, inwards, inside another component: left so
+  std::uint32_t flipped = 0;    // components that were inside-out
+  std::uint32_t cavities = 0;   // closed, inwards, inside another component: left so
+  std::uint32_t by_volume = 0;  // not asked, because it would take too long: turned by the sign of their own volumes
 };
 
 // Precondition: mesh.component is filled with numbers below `components`, each component is oriented in itself.

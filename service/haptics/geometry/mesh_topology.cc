@@ -96,12 +96,14 @@ TopologyReport ConnectAndOrient(Mesh& mesh) {
   TopologyReport report;
   if (mesh.triangles.empty()) return report;
   EdgeList edges = ConnectEdges(mesh);
+  SnapBudget budget = SnapBudgetOf(mesh, edges);
   for (int round = 0; round < kMaxSnapRounds; ++round) {
-    const std::uint32_t snapped = SnapTJunctions(mesh, edges);
+    const std::uint32_t snapped = SnapTJunctions(mesh, edges, budget);
     if (snapped == 0) break;
     report.snapped += snapped;
     edges = ConnectEdges(mesh);
   }
+  report.unsnapped = budget.unsearched;
   OrientComponents(mesh, report);
   report.closed_holes = CloseSmallHoles(mesh, edges, report.components);
   if (report.closed_holes > 0) {
@@ -116,6 +118,7 @@ TopologyReport ConnectAndOrient(Mesh& mesh) {
   const OrientReport oriented = OrientOutwards(mesh, report.components);
   report.flipped_components = oriented.flipped;
   report.cavities = oriented.cavities;
+  report.by_volume = oriented.by_volume;
   return report;
 }
 

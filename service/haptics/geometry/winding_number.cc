@@ -97,7 +97,7 @@ void WindingTree::Refit() {
 }
 
 // w(p) = 1/(4 pi) sum of solid angles; a far cluster adds A . r / (4 pi |r|^3), r = centre - p   (R.5)
-double WindingTree::At(const Vec3& p, std::uint32_t own) const {
+double WindingTree::At(const Vec3& p, std::uint32_t own, std::uint64_t& visited) const {
   if (nodes_.empty()) return 0;
   std::array<std::uint32_t, 64> stack{};
   std::size_t size = 1;
@@ -106,9 +106,11 @@ double WindingTree::At(const Vec3& p, std::uint32_t own) const {
     const Node& node = nodes_[stack[--size]];
     const Vec3 r = node.centre - p;
     const double distance = Norm(r);
+    ++visited;
     if (distance > kFar * node.radius_m) {
       sum += Dot(node.area_vector, r) / (distance * distance * distance);
     } else if (node.left == 0) {
+      visited += 2 * node.count;
       for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
         if (order_[i] == own) continue;
         const auto [a, b, c] = CornersOf(order_[i]);

@@ -27,7 +27,12 @@ class WindingTree {
   void Refit();
 
   // At `p`; triangle `own`, on which p lies, does not count: what is then left lies half-way between the two sides.
-  double At(const Vec3& p, std::uint32_t own = kNoTriangle) const;
+  double At(const Vec3& p, std::uint32_t own = kNoTriangle) const {
+    std::uint64_t visited = 0;
+    return At(p, own, visited);
+  }
+  // `visited` grows by the nodes that were looked at, and twice their triangles: what it costs.
+  double At(const Vec3& p, std::uint32_t own, std::uint64_t& visited) const;
   bool IsInside(const Vec3& p) const { return At(p) > 0.5; }
 
  private:

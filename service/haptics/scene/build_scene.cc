@@ -55,10 +55,14 @@ void Explain(const std::string& name, const Mesh& mesh, const RepairCounts& repa
   Say(report, name, repair.degenerate, "triangles dropped: no area");
   Say(report, name, repair.duplicate, "triangles dropped: duplicates");
   Say(report, name, topology.snapped, "edges split at vertices that lay on them (T-junctions)");
+  Say(report, name, topology.unsnapped,
+      "border edges were not split at the vertices on them: so many vertices on edges would take too long");
   Say(report, name, topology.closed_holes, "small holes closed");
   Say(report, name, topology.flipped_triangles, "triangles turned to agree with their neighbours");
   Say(report, name, topology.flipped_components, "components were inside-out, turned outwards by winding number");
   Say(report, name, topology.cavities, "cavities kept (closed, facing inwards, inside another component)");
+  Say(report, name, topology.by_volume,
+      "components were turned by their own volumes: so many parts that may lie in each other take too long to compare");
   Say(report, name, topology.border_edges, "border edges: the mesh is open and is touched from both sides");
   Say(report, name, topology.non_manifold_edges, "edges with three or more triangles: touched from both sides");
   Say(report, name, topology.cut_edges, "edges cut: no consistent orientation exists; touched from both sides");
