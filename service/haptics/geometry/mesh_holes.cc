@@ -163,7 +163,7 @@ void AddFilling(Mesh& mesh, const Loop& loop, const std::vector<std::array<std::
 
 }  // namespace
 
-std::uint32_t CloseSmallHoles(Mesh& mesh, const EdgeList& edges, std::uint32_t components) {
+std::uint32_t CloseSmallHoles(Mesh& mesh, const EdgeList& edges, std::uint32_t components, std::size_t most) {
   if (edges.borders.empty()) return 0;
   std::vector<bool> open(components, false);
   const std::vector<Loop> loops = LoopFinder(mesh, edges).Run(open);
@@ -177,7 +177,7 @@ std::uint32_t CloseSmallHoles(Mesh& mesh, const EdgeList& edges, std::uint32_t c
   }
   std::uint32_t closed = 0;
   for (std::size_t i = 0; i < loops.size(); ++i) {
-    if (open[loops[i].component] || mesh.triangles.size() + kMaxHoleEdges > kMaxTriangles) continue;
+    if (open[loops[i].component] || mesh.triangles.size() + fillings[i].size() > most) continue;
     AddFilling(mesh, loops[i], fillings[i]);
     ++closed;
   }

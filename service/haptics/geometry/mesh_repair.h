@@ -3,7 +3,11 @@
 // consistently and outwards. docs/theory/haptics.md (R.1) to (R.6). Set-up only.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+
 #include "service/haptics/geometry/mesh.h"
+#include "service/haptics/scene/material.h"
 #include "service/haptics/scene/scene_input.h"
 
 namespace omni::haptics {
@@ -19,6 +23,11 @@ inline constexpr double kWeldRelative = 1e-7;  // of the object's largest extent
 
 // Precondition: indices and materials of `input` are in range. Triangles at non-finite vertices are dropped.
 Mesh RepairMesh(const InputObject& input, RepairCounts& counts);
+
+// Splitting edges and closing holes make at most so many triangles of `triangles`.
+constexpr std::size_t MostTriangles(std::size_t triangles) {
+  return std::min<std::size_t>(triangles + triangles / 8 + 1000, kMaxTriangles);
+}
 
 struct TopologyReport {
   std::uint32_t components = 0;

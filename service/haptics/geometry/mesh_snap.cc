@@ -141,8 +141,8 @@ void SplitAtHits(Mesh& mesh, std::uint32_t t, std::uint32_t k, const std::vector
 
 }  // namespace
 
-SnapBudget SnapBudgetOf(const Mesh& mesh, const EdgeList& edges) {
-  return {.visits = 10'000 + 24 * std::uint64_t{edges.borders.size()}, .vertices = 1000 + mesh.triangles.size() / 2};
+SnapBudget SnapBudgetOf(const Mesh& mesh, const EdgeList& edges, std::size_t most) {
+  return {.visits = 10'000 + 24 * std::uint64_t{edges.borders.size()}, .vertices = most - mesh.triangles.size()};
 }
 
 std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges, SnapBudget& budget) {
@@ -165,7 +165,6 @@ std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges, SnapBudget& budg
     std::vector<EdgeHit> hits = vertices.On(t[edge.edge], t[(edge.edge + 1) % 3]);
     std::erase_if(hits, [&](const EdgeHit& hit) { return hit.vertex == apex; });
     if (hits.empty()) continue;
-    if (mesh.triangles.size() + hits.size() > kMaxTriangles) continue;
     budget.vertices -= hits.size();
     SplitAtHits(mesh, edge.triangle, edge.edge, hits);
     snapped += static_cast<std::uint32_t>(hits.size());

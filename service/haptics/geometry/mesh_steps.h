@@ -35,14 +35,14 @@ EdgeList ConnectEdges(Mesh& mesh);
 // not neighbours. The edge is split at the vertex (mesh_snap.cc)   (R.2).
 inline constexpr double kSnapRelative = 1e-6;  // distance of vertex and edge, of the mesh's largest extent
 
-// What all rounds together may spend: about as much as the rest of the build takes, and half as many triangles more.
+// What all rounds together may spend: about as much as the rest of the build takes, and triangles up to `most`.
 struct SnapBudget {
   std::uint64_t visits = 0;      // of nodes and leaves of the tree of border vertices; 0: nothing is split any more
   std::uint64_t vertices = 0;    // that split an edge
   std::uint32_t unsearched = 0;  // edges that were left, because one of these was spent
   void Spend(std::uint64_t work) { visits -= std::min(visits, work); }
 };
-SnapBudget SnapBudgetOf(const Mesh& mesh, const EdgeList& edges);
+SnapBudget SnapBudgetOf(const Mesh& mesh, const EdgeList& edges, std::size_t most);
 
 // Splits each border edge at the border vertices on it; one edge of a triangle at a time, so call it again until it
 // gives 0. Neighbours are not up to date afterwards. Returns the number of vertices that split an edge.
@@ -56,8 +56,8 @@ inline constexpr std::size_t kMaxHoles = 1000;   // of a mesh
 // Fills the holes of every component that has only small ones: then it is closed, and the tip can be inside. Sheets
 // keep theirs. Each hole gets the triangulation of least area [Barequet & Sharir 1995]. Precondition: neighbours and
 // components are filled, each component oriented in itself. Neighbours are not up to date afterwards. Returns the
-// number of holes that were filled.
-std::uint32_t CloseSmallHoles(Mesh& mesh, const EdgeList& edges, std::uint32_t components);
+// number of holes that were filled. The mesh gets at most `most` triangles.
+std::uint32_t CloseSmallHoles(Mesh& mesh, const EdgeList& edges, std::uint32_t components, std::size_t most);
 
 // Each component's front faces out of the body (mesh_orient.cc)   (R.6).
 struct OrientReport {

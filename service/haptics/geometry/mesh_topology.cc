@@ -96,7 +96,8 @@ TopologyReport ConnectAndOrient(Mesh& mesh) {
   TopologyReport report;
   if (mesh.triangles.empty()) return report;
   EdgeList edges = ConnectEdges(mesh);
-  SnapBudget budget = SnapBudgetOf(mesh, edges);
+  const std::size_t most = MostTriangles(mesh.triangles.size());
+  SnapBudget budget = SnapBudgetOf(mesh, edges, most);
   for (int round = 0; round < kMaxSnapRounds; ++round) {
     const std::uint32_t snapped = SnapTJunctions(mesh, edges, budget);
     if (snapped == 0) break;
@@ -105,7 +106,7 @@ TopologyReport ConnectAndOrient(Mesh& mesh) {
   }
   report.unsnapped = budget.unsearched;
   OrientComponents(mesh, report);
-  report.closed_holes = CloseSmallHoles(mesh, edges, report.components);
+  report.closed_holes = CloseSmallHoles(mesh, edges, report.components, most);
   if (report.closed_holes > 0) {
     const TopologyReport before = report;
     edges = ConnectEdges(mesh);
