@@ -1,6 +1,7 @@
 #include "service/scene/scene_reader.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <glm/geometric.hpp>
@@ -55,13 +56,35 @@ class SceneReader::Loader {
   Loader(std::string path, const LoadOptions& options, LoadReport& report)
       : path_(std::move(path)), options_(options), report_(report), warnings_(path_, report.warnings) {}
 
+  SceneCounts Count() {
+    ReadJson();
+    SceneCounts counts;
+    counts.json_bytes = file_.json_bytes();
+    counts.document_bytes = file_.document_bytes();
+    counts.nodes = nodes_.size();
+    if (report_.skipped) return counts;
+    const TextureSizes images = textures_.Measure();
+    counts.image_bytes = images.stored_bytes;
+    counts.texels = images.texels;
+    counts.largest_image_samples = images.largest_samples;
+    for (const MeshRequest& request : meshes_) {
+      std::size_t i = 0;
+      for (const PrimitiveSize& size : SizesOf(file_.root(), request.mesh)) {
+        counts.mesh_triangles += size.triangles;
+        counts.mesh_vertices += size.vertices;
+        counts.mesh_bytes += size.bytes;
+        if (i < request.uv_sets.size())
+          counts.mesh_uv_triangles += size.triangles * static_cast<unsigned>(std::popcount(request.uv_sets[i]));
+        ++i;
+      }
+    }
+    for (const NodeVisit* node : touched_) counts.objects.push_back(CountObject(*node, counts));
+    return counts;
+  }
+
   bool ReadBytes() {
-    file_.Open(path_, options_, report_);
-    input_.name = std::filesystem::path(path_).stem().string();
-    nodes_ = WalkNodes(file_.root(), options_, warnings_);
-    binding_.emplace(file_.root(), warnings_);
-    touched_ = Choose();
-    if (!report_.skipped) ReadMeshes();
+    ReadJson();
+    if (!report_.skipped) subset_ = BuildSubset(file_, meshes_, instanced_);
     report_.bytes_read = file_.bytes_read();
     return !report_.skipped;
   }
@@ -193,18 +216,46 @@ class SceneReader::Loader {
     return ReadTipRadius(ElementOf(file_.root(), "scenes", scene), JoinPointer("/scenes", scene), warnings_);
   }
 
-  void ReadMeshes() {
-    CheckTriangleCount(file_.root(), touched_);  // so that a file with too much is refused at once
-    std::vector<MeshRequest> meshes;
-    std::map<std::uint32_t, std::size_t> place;  // of a mesh in `meshes`
-    std::vector<std::uint32_t> instanced;
-    for (const NodeVisit* node : touched_) {
-      const auto [found, fresh] = place.emplace(*node->mesh, meshes.size());
-      if (fresh) meshes.push_back({.mesh = *node->mesh, .uv_sets = {}});
-      RequestTextures(*node, meshes[found->second]);
-      if (IsInstanced(file_.root(), node->node)) instanced.push_back(node->node);
+  // Once.
+  void ReadJson() {
+    if (binding_) return;
+    file_.Open(path_, options_, report_);
+    input_.name = std::filesystem::path(path_).stem().string();
+    nodes_ = WalkNodes(file_.root(), options_, warnings_);
+    binding_.emplace(file_.root(), warnings_);
+    touched_ = Choose();
+    if (!report_.skipped) RequestMeshes();
+  }
+
+  ObjectCounts CountObject(const NodeVisit& node, SceneCounts& counts) {
+    ObjectCounts object;
+    const std::uint64_t instances = CountInstances(file_.root(), node.node);
+    std::uint32_t i = 0;
+    for (const PrimitiveSize& size : SizesOf(file_.root(), *node.mesh)) {
+      ++counts.primitives;
+      const HapticTag tag = binding_->TagOf(node, i++);
+      std::uint64_t sets = 0;
+      for (const std::shared_ptr<const TextureUse>& use : tag.textures) sets |= use ? 1U << use->uv_set : 0U;
+      object.triangles += instances * size.triangles;
+      object.vertices += instances * size.vertices;
+      object.uv_triangles += instances * size.triangles * static_cast<unsigned>(std::popcount(sets));
+      object.soft = object.soft || tag.softness == haptics::SoftnessModel::kTet;
+      object.sculpted = object.sculpted || tag.sculptable.value_or(false);
+      object.extruded = object.extruded || tag.extrude.value_or(false);
+      object.car_wall = object.car_wall || tag.role == Role::kWall;
     }
-    subset_ = BuildSubset(file_, meshes, instanced);
+    return object;
+  }
+
+  void RequestMeshes() {
+    CheckTriangleCount(file_.root(), touched_);  // so that a file with too much is refused at once
+    std::map<std::uint32_t, std::size_t> place;  // of a mesh in `meshes_`
+    for (const NodeVisit* node : touched_) {
+      const auto [found, fresh] = place.emplace(*node->mesh, meshes_.size());
+      if (fresh) meshes_.push_back({.mesh = *node->mesh, .uv_sets = {}});
+      RequestTextures(*node, meshes_[found->second]);
+      if (IsInstanced(file_.root(), node->node)) instanced_.push_back(node->node);
+    }
   }
 
   void RequestTextures(const NodeVisit& node, MeshRequest& request) {
@@ -352,6 +403,8 @@ class SceneReader::Loader {
   std::optional<Binding> binding_;
   std::vector<const NodeVisit*> touched_;  // of nodes_
   haptics::SceneInput input_;
+  std::vector<MeshRequest> meshes_;
+  std::vector<std::uint32_t> instanced_;  // nodes
   Subset subset_;
   TextureReader textures_{file_, warnings_};
   std::map<std::uint32_t, std::vector<MeshPart>> by_mesh_;
@@ -364,6 +417,7 @@ class SceneReader::Loader {
 SceneReader::SceneReader(std::string path, const LoadOptions& options, LoadReport& report)
     : loader_(std::make_unique<Loader>(std::move(path), options, report)) {}
 SceneReader::~SceneReader() = default;
+SceneCounts SceneReader::Count() { return loader_->Count(); }
 bool SceneReader::ReadBytes() { return loader_->ReadBytes(); }
 Digest SceneReader::FinishDigest() { return loader_->FinishDigest(); }
 haptics::SceneInput SceneReader::MakeInput() { return loader_->MakeInput(); }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "service/haptics/scene/scene_input.h"
+#include "service/scene/build_estimate.h"
 #include "service/scene/cache/sha256.h"
 #include "service/scene/scene_file.h"
 
@@ -16,6 +17,10 @@ class SceneReader {
   // `report` outlives the reader and is filled by both steps.
   SceneReader(std::string path, const LoadOptions& options, LoadReport& report);
   ~SceneReader();
+
+  // How much there is of what is touched, from the JSON and the headers of images. Before ReadBytes() or instead of it.
+  // Throws LoadError.
+  SceneCounts Count();
 
   // Reads the JSON and the byte ranges of what is touched. False: nothing is, because the file has no haptic tag; then
   // there is no second step. Throws LoadError.

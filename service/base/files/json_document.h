@@ -90,6 +90,9 @@ class JsonDocument {
   static Result<JsonDocument> Parse(std::string_view text, const JsonLimits& limits);
 
   const JsonValue& root() const { return elements_.front(); }
+  std::size_t memory_bytes() const {
+    return elements_.capacity() * sizeof(JsonValue) + members_.capacity() * sizeof(JsonMember) + text_.capacity();
+  }
 
  private:
   std::vector<JsonValue> elements_;  // the root, then those of arrays

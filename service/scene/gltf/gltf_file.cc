@@ -86,6 +86,7 @@ std::string GltfFile::ReadJsonText(LoadReport& report) {
     throw LoadError("", "has " + std::to_string(json_length) + " bytes of JSON, the limit is " +
                             std::to_string(kSceneJson.bytes) + "; move embedded buffers into a .bin or use .glb");
   }
+  json_bytes_ = json_length;
   std::string text(static_cast<std::size_t>(json_length), '\0');
   file_.Read(json_offset, text.data(), text.size());
   if (!binary && text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // byte order mark

@@ -21,6 +21,8 @@ class GltfFile {
 
   const Json& root() const { return document_.root(); }
   std::uint64_t file_bytes() const { return file_.size(); }
+  std::uint64_t json_bytes() const { return json_bytes_; }                   // of its text
+  std::uint64_t document_bytes() const { return document_.memory_bytes(); }  // of what root() refers to
   std::uint64_t bytes_read() const;
   std::uint64_t stored_bytes() const;                 // of the file and of those beside it that were opened
   Digest FinishDigest() { return digest_.Finish(); }  // once: of all bytes read so far, in their order
@@ -50,6 +52,7 @@ class GltfFile {
   FileBytes file_;
   std::deque<FileBytes> external_;
   base::JsonDocument document_;
+  std::uint64_t json_bytes_ = 0;
   bool has_bin_ = false;
   std::uint64_t bin_offset_ = 0, bin_length_ = 0;
   std::map<std::uint32_t, Buffer> buffers_;

@@ -59,26 +59,35 @@ namespace {
 
 // Of all nodes together: each is processed by itself, whether it has triangles or not.
 constexpr std::uint64_t kMaxParts = 400'000;
+constexpr std::uint64_t kMaxStride = 252;  // of a bufferView   [glTF 2.0, 5.11.4]
 
-std::uint64_t CountPrimitives(const Json& root, std::uint32_t mesh) {
-  const Json* primitives = FindArray(ElementOf(root, "meshes", mesh), JoinPointer("/meshes", mesh), "primitives");
-  return primitives ? primitives->elements().size() : 0;
+std::uint64_t StrideOf(const Json& root, const Json& accessor, std::uint64_t packed) {
+  const Json* view = FindMember(accessor, "bufferView");
+  const std::optional<std::uint64_t> index = view ? view->whole() : std::nullopt;
+  if (!index || *index >= CountOf(root, "bufferViews")) return packed;
+  const Json* stride = FindMember(ElementOf(root, "bufferViews", static_cast<std::uint32_t>(*index)), "byteStride");
+  return std::clamp(stride ? stride->whole().value_or(packed) : packed, packed, std::max(packed, kMaxStride));
 }
 
-// Of a mesh. Throws LoadError.
-std::uint64_t CountTriangles(const Json& root, std::uint32_t mesh) {
+}  // namespace
+
+std::vector<PrimitiveSize> SizesOf(const Json& root, std::uint32_t mesh) {
   const std::string pointer = JoinPointer("/meshes", mesh);
   const Json* primitives = FindArray(ElementOf(root, "meshes", mesh), pointer, "primitives");
   const std::uint64_t accessors = CountOf(root, "accessors");
-  std::uint64_t sum = 0;
+  std::vector<PrimitiveSize> sizes;
   for (std::uint32_t i = 0; primitives && i < primitives->elements().size(); ++i) {
+    PrimitiveSize& size = sizes.emplace_back();
     const Json& json = primitives->elements()[i];
     const std::string place = JoinPointer(JoinPointer(pointer, "primitives"), i);
     if (!json.is_object()) throw LoadError(place, "must be an object");
     const std::uint64_t mode = ReadInteger(json, place, "mode", 6, 4);
     auto run = ReadIndex(json, place, "indices", accessors);
-    const Json* attributes = run ? nullptr : FindObject(json, place, "attributes");
-    if (attributes) run = ReadIndex(*attributes, JoinPointer(place, "attributes"), "POSITION", accessors);
+    const bool indexed = run.has_value();
+    const Json* attributes = FindObject(json, place, "attributes");
+    const auto position =
+        attributes ? ReadIndex(*attributes, JoinPointer(place, "attributes"), "POSITION", accessors) : std::nullopt;
+    if (!run) run = position;
     if (mode < 4 || !run) continue;
     const std::string accessor = JoinPointer("/accessors", *run);
     const std::uint64_t count =
@@ -89,22 +98,34 @@ std::uint64_t CountTriangles(const Json& root, std::uint32_t mesh) {
                       "is " + std::to_string(count) + ": " + std::to_string(triangles) + " triangles, the limit is " +
                           std::to_string(haptics::kMaxTriangles) + "; simplify the model");
     }
-    sum += triangles;
+    size.triangles = triangles;
+    size.vertices = 3 * triangles;
+    if (indexed) size.bytes = count * StrideOf(root, ElementOf(root, "accessors", *run), 4);
+    if (!position) continue;
+    const Json& vertices = ElementOf(root, "accessors", *position);
+    const Json* vertex_count = FindMember(vertices, "count");
+    const std::uint64_t stored =
+        std::min<std::uint64_t>(vertex_count ? vertex_count->whole().value_or(0) : 0, 1ull << 40);
+    size.vertices = std::min(size.vertices, stored);
+    size.bytes += stored * StrideOf(root, vertices, 12);
   }
-  return sum;
+  return sizes;
 }
-
-}  // namespace
 
 void CheckTriangleCount(const Json& root, const std::vector<const NodeVisit*>& nodes) {
   struct Size {
-    std::uint64_t primitives, triangles;
+    std::uint64_t primitives = 0, triangles = 0;
   };
   std::map<std::uint32_t, Size> of_mesh;
   std::uint64_t parts = 0, sum = 0;
   for (const NodeVisit* node : nodes) {
     const auto [size, fresh] = of_mesh.try_emplace(*node->mesh);
-    if (fresh) size->second = {CountPrimitives(root, *node->mesh), CountTriangles(root, *node->mesh)};
+    if (fresh) {
+      for (const PrimitiveSize& primitive : SizesOf(root, *node->mesh)) {
+        ++size->second.primitives;
+        size->second.triangles += primitive.triangles;
+      }
+    }
     parts += size->second.primitives;
     sum += std::max<std::uint64_t>(size->second.triangles, 1) * CountInstances(root, node->node);
     if (parts > kMaxParts) {

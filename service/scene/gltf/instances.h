@@ -22,6 +22,14 @@ std::uint64_t CountInstances(const Json& root, std::uint32_t node);
 // Its transforms, mesh -> scene, one per instance. Throws LoadError.
 std::vector<glm::dmat4> PlacesOf(const NodeVisit& node, const std::vector<Instance>& instances);
 
+// What a primitive has, by the counts of its accessors: corners name at most three vertices each, and bytes are those
+// of positions and corners. Points and lines have none.
+struct PrimitiveSize {
+  std::uint64_t triangles = 0, vertices = 0, bytes = 0;
+};
+// Of a mesh. Throws LoadError.
+std::vector<PrimitiveSize> SizesOf(const Json& root, std::uint32_t mesh);
+
 // Throws LoadError when the meshes of `nodes`, each of which has one, have more than haptics::kMaxTriangles with all
 // their instances, or 400,000 primitives.
 void CheckTriangleCount(const Json& root, const std::vector<const NodeVisit*>& nodes);

@@ -170,6 +170,24 @@ void TextureReader::Read(const TextureUse& use) {
   }
 }
 
+TextureSizes TextureReader::Measure() const {
+  TextureSizes sizes;
+  for (const Image& image : images_) {
+    int width = 0, height = 0, channels = 0;
+    sizes.stored_bytes += image.stored.size();
+    if (!IsPngOrJpeg(image.stored) || stbi_info_from_memory(image.stored.data(), static_cast<int>(image.stored.size()),
+                                                            &width, &height, &channels) == 0) {
+      continue;  // gives a warning when it is decoded, and no texels
+    }
+    const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+    if (pixels > kMaxImagePixels) continue;
+    sizes.texels += pixels;
+    sizes.largest_samples = std::max(sizes.largest_samples, 4 * pixels);
+  }
+  sizes.texels = std::min<std::uint64_t>(sizes.texels, haptics::kMaxTexels);
+  return sizes;
+}
+
 void TextureReader::Decode() {
   std::uint64_t left = haptics::kMaxTexels;
   for (Image& image : images_) {

@@ -24,12 +24,21 @@ inline constexpr std::uint64_t kMaxImagePixels = 16ull << 20;  // 4096 x 4096
 std::optional<TextureUse> ReadTextureUse(const Json& root, const Json& list, const std::string& pointer,
                                          Warnings& warnings);
 
+// Of all images that were read.
+struct TextureSizes {
+  std::uint64_t stored_bytes = 0, texels = 0;
+  std::uint64_t largest_samples = 0;  // texels times channels, of one image
+};
+
 class TextureReader {
  public:
   TextureReader(GltfFile& file, Warnings& warnings) : file_(file), warnings_(warnings) {}
 
   // Reads the stored bytes of the image, once per image. A missing image: a warning, and `IndexOf` returns -1.
   void Read(const TextureUse& use);
+
+  // By the headers of what was read, before it is decoded.
+  TextureSizes Measure() const;
 
   // Decodes what was read (PNG, JPEG). Once, before IndexOf.
   void Decode();

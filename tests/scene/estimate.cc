@@ -1,0 +1,112 @@
+// The estimate from a file's counts is an upper bound of what loading takes, and less than twice of it.
+#include <gtest/gtest.h>
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "service/scene/build_estimate.h"
+#include "service/scene/load_scene.h"
+#include "tests/scene/files.h"
+#include "tests/support/bombs.h"
+#include "tests/support/mesh_bombs.h"
+#include "tests/support/process/measured_child.h"
+
+namespace omni::scene::test {
+namespace test_scene_estimate {
+
+using omni::test::RunInChild;
+
+constexpr double kLoose = 2.0;
+
+struct Measured {
+  double kept = 0, peak = 0;  // bytes
+  std::uint32_t triangles = 0;
+};
+
+Measured Load(const std::string& path, const LoadOptions& options) {
+  Measured measured;
+  LoadReport load;
+  malloc_trim(0);  // free blocks of this process would be used by the child
+  haptics::BuildReport build;
+  measured.peak = 1e6 * 1.048576 * RunInChild(0, [&] {
+                                     auto scene = LoadScene(path, options, nullptr, load, build);
+                                     if (scene.ok() && !scene->empty()) LoadLive(*scene, nullptr);
+                                     return 0;
+                                   }).memory_MB;
+  const auto scene = LoadScene(path, options, nullptr, load, build);
+  if (scene.ok()) measured.kept = static_cast<double>(scene->bytes());
+  if (scene.ok() && !scene->empty()) measured.triangles = scene->header().triangle_count;
+  return measured;
+}
+
+// Not much too large where repair drops little, from `large` triangles on: the process itself does not count then.
+void ExpectBound(const std::string& name, const std::string& path, const LoadOptions& options, std::uint32_t large) {
+  SCOPED_TRACE(name);
+  const auto estimate = EstimateSceneFile(path, options);
+  const Measured measured = Load(path, options);
+  if (!estimate.ok()) {
+    EXPECT_EQ(measured.kept, 0) << estimate.error();
+    return;
+  }
+  const auto kept = static_cast<double>(estimate->kept_bytes), peak = static_cast<double>(estimate->peak_bytes);
+  EXPECT_GE(kept, measured.kept);
+  EXPECT_GE(peak + 1e6, measured.peak) << "1 MB for the process itself";
+  if (measured.triangles < large) return;
+  const auto live = [](const ObjectCounts& object) { return object.soft || object.sculpted; };
+  const auto& objects = estimate->counts.objects;
+  if (std::none_of(objects.begin(), objects.end(), live)) {
+    EXPECT_LT(kept, kLoose * measured.kept);  // of the block
+    EXPECT_LT(peak, kLoose * measured.peak);
+  }
+  if (std::getenv("OMNI_SHOW") != nullptr)
+    std::printf("%-26s kept %8.2f MB, at most %8.2f; peak %8.2f, at most %8.2f\n", name.c_str(), 1e-6 * measured.kept,
+                1e-6 * kept, 1e-6 * measured.peak, 1e-6 * peak);
+}
+
+TEST(BuildEstimate, IsAnUpperBoundForMeshes) {
+  if (!omni::test::kMemoryCounts) GTEST_SKIP() << "the sanitizer takes memory of its own";
+  const TempFolder folder;
+  const auto check = [&](const omni::test::MeshBomb& bomb) {
+    const std::string path = folder.Write("mesh.glb", omni::test::MeshFile(bomb.make(60'000)));
+    ExpectBound(bomb.name, path, {}, 50'000);
+  };
+  check(omni::test::kCleanMesh);
+  for (const omni::test::MeshBomb& bomb : omni::test::kMeshBombs) check(bomb);
+}
+
+TEST(BuildEstimate, IsAnUpperBoundForShippedScenes) {
+  if (!omni::test::kMemoryCounts) GTEST_SKIP() << "the sanitizer takes memory of its own";
+  for (const char* name : {"extrusion", "dragon", "racetrack"})
+    ExpectBound(name, std::string(OMNI_SOURCE_DIR) + "/scenes/" + name + ".glb", {}, 10'000);
+}
+
+TEST(BuildEstimate, IsAnUpperBoundForHostileDocuments) {
+  if (!omni::test::kMemoryCounts) GTEST_SKIP() << "the sanitizer takes memory of its own";
+  const TempFolder folder;
+  for (const omni::test::Bomb& bomb : omni::test::kSceneBombs)
+    ExpectBound(bomb.name, folder.Write("bomb.gltf", bomb.make(1'000'000)), kTouchAll, UINT32_MAX);
+}
+
+TEST(BuildEstimate, CountsWhatTheFileHas) {
+  const TempFolder folder;
+  const auto soup = omni::test::meshes::CleanBall(1000);
+  const auto estimate = EstimateSceneFile(folder.Write("ball.glb", omni::test::MeshFile(soup)), {});
+  ASSERT_TRUE(estimate.ok()) << estimate.error();
+  ASSERT_EQ(estimate->counts.objects.size(), 1U);
+  EXPECT_EQ(estimate->counts.objects[0].triangles, soup.triangles.size());
+  EXPECT_EQ(estimate->counts.objects[0].vertices, soup.vertices_base_m.size());
+  EXPECT_EQ(estimate->counts.mesh_bytes, 12 * (soup.vertices_base_m.size() + soup.triangles.size()));
+  EXPECT_FALSE(estimate->counts.objects[0].soft);
+  const auto dragon = EstimateSceneFile(OMNI_SOURCE_DIR "/scenes/dragon.glb", {});
+  ASSERT_TRUE(dragon.ok()) << dragon.error();
+  EXPECT_TRUE(dragon->counts.objects.at(0).soft);
+  Model plain = Tetra();  // without a tag: nothing is touched
+  EXPECT_TRUE(EstimateSceneFile(folder.Write("plain.glb", plain.Bytes()), {})->counts.objects.empty());
+  EXPECT_EQ(EstimateSceneFile(folder.Write("plain.glb", plain.Bytes()), kTouchAll)->counts.objects.size(), 1U);
+  EXPECT_FALSE(EstimateSceneFile(folder.Write("bad.glb", "no glTF"), {}).ok());
+}
+
+}  // namespace test_scene_estimate
+}  // namespace omni::scene::test
