@@ -23,7 +23,7 @@ CacheKey SoftKeyOf(std::uint64_t input_hash) {
 std::optional<haptics::SoftBody> FromSoftCache(CacheStore& cache, const CacheKey& key, std::uint64_t input_hash,
                                                SoftLoadReport& report) {
   std::string damage;
-  if (const std::optional<std::vector<std::byte>> block = cache.Get(key, damage)) {
+  if (const std::optional<CacheBlock> block = cache.Get(key, damage)) {
     base::Result<haptics::SoftBody> body = haptics::SoftBody::Load(*block);
     if (body.ok() && body->view().header().input_hash == input_hash) {
       report.cached = true;
@@ -40,8 +40,7 @@ std::optional<haptics::SoftBody> FromSoftCache(CacheStore& cache, const CacheKey
 }
 
 void ToSoftCache(CacheStore& cache, const CacheKey& key, const haptics::SoftBody& body, SoftLoadReport& report) {
-  const std::span<const std::byte> bytes = body.bytes();
-  if (cache.Put(key, {bytes.begin(), bytes.end()})) {
+  if (cache.Put(key, body.bytes())) {
     report.cache += ", kept";
   } else {
     report.cache = "off: " + (cache.problem().empty() ? "too large to keep" : cache.problem());
@@ -49,7 +48,7 @@ void ToSoftCache(CacheStore& cache, const CacheKey& key, const haptics::SoftBody
 }
 
 base::Result<haptics::SoftBody> CachedOrBuilt(const haptics::Mesh& mesh, const haptics::SoftBodyOptions& options,
-                                              CacheStore* cache, SoftLoadReport& report) {
+                                              CacheStore* cache, SoftLoadReport& report, const SoftBuild& build) {
   if (cache && !cache->problem().empty()) report.cache = "off: " + std::exchange(cache, nullptr)->problem();
   const std::uint64_t input_hash = haptics::SoftBodyKey(mesh.vertices, mesh.triangles, options);
   const CacheKey key = SoftKeyOf(input_hash);
@@ -58,20 +57,25 @@ base::Result<haptics::SoftBody> CachedOrBuilt(const haptics::Mesh& mesh, const h
       return std::move(*cached);
     }
   }
-  base::Result<haptics::SoftBody> body = haptics::BuildSoftBody(mesh.vertices, mesh.triangles, options, report.build);
+  base::Result<haptics::SoftBody> body = build(mesh, options, report.build);
   if (body.ok() && cache) ToSoftCache(*cache, key, *body, report);
   return body;
 }
 
 }  // namespace
 
+base::Result<haptics::SoftBody> BuildSoftBodyHere(const haptics::Mesh& mesh, const haptics::SoftBodyOptions& options,
+                                                  haptics::SoftBuildReport& report) {
+  return haptics::BuildSoftBody(mesh.vertices, mesh.triangles, options, report);
+}
+
 base::Result<haptics::SoftBody> LoadSoftBody(const haptics::Mesh& mesh, const haptics::SoftBodyOptions& options,
-                                             CacheStore* cache, SoftLoadReport& report) {
+                                             CacheStore* cache, SoftLoadReport& report, const SoftBuild& build) {
   const auto start = std::chrono::steady_clock::now();
   report = {};
   base::Result<haptics::SoftBody> body = base::Error{};
   try {
-    body = CachedOrBuilt(mesh, options, cache, report);
+    body = CachedOrBuilt(mesh, options, cache, report, build);
   } catch (const std::bad_alloc&) {
     body = base::Error{"soft body: does not fit into memory; simplify the mesh"};
   } catch (const std::exception& error) {

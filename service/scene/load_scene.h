@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "service/haptics/deformable/build/build_soft_body.h"
 #include "service/haptics/geometry/mesh.h"
 #include "service/haptics/scene/scene.h"
+#include "service/scene/build_estimate.h"
 #include "service/scene/cache/cache_store.h"
 #include "service/scene/scene_file.h"
 
@@ -24,6 +27,43 @@ inline constexpr std::uint32_t kCachedFromTriangles = 5000;
 base::Result<haptics::Scene> LoadScene(const std::string& path, const LoadOptions& options, CacheStore* cache,
                                        LoadReport& load, haptics::BuildReport& build);
 
+// What a build is to be granted: for the block that it makes, and while it makes it.
+struct BuildNeed {
+  std::uint64_t kept_bytes = 0, peak_bytes = 0;
+};
+BuildNeed NeedToRead(std::uint64_t json_bytes, std::uint64_t file_bytes);  // the JSON, and images of tags
+BuildNeed NeedOf(const BuildEstimate& estimate);                           // all of it
+BuildNeed NeedOf(const haptics::Mesh& mesh, const haptics::SoftBodyOptions& options);
+
+// The same in steps, without a cache, for callers that decide between them. Each returns whether to go on; when it is
+// false the load ends with an error that only says so. Throws std::bad_alloc.
+struct LoadSteps {
+  std::function<bool(const BuildNeed& need)> admit;  // the JSON has been read, and no mesh
+  std::function<bool(const Digest& bytes)> build;    // all bytes have been read; this is the hash of them
+};
+base::Result<haptics::Scene> LoadInSteps(const std::string& path, const LoadOptions& options, const LoadSteps& steps,
+                                         LoadReport& load, haptics::BuildReport& build);
+
+// The JSON's part of a file, of which no more than its header is read; what is no such file counts as a whole.
+std::uint64_t JsonBytesOf(int descriptor);
+std::uint64_t FileBytesOf(int descriptor);
+
+// The place of a file's built scene in a cache, which it shares with LoadScene.
+class CachedPlace {
+ public:
+  // All that a built scene depends on: the code, the bytes that were read, the options, and the name in its messages.
+  CachedPlace(CacheStore* cache, const std::string& path, const LoadOptions& options, const Digest& bytes);
+
+  // A scene, if there is a valid one. Otherwise `load.cache` says why there is none.
+  std::optional<haptics::Scene> Take(LoadReport& load, haptics::BuildReport& build);
+  // Keeps a scene, packed with its reports (cached_scene.h), and says in `load.cache` whether it did.
+  void Keep(std::uint32_t triangles, std::span<const std::byte> packed, LoadReport& load);
+
+ private:
+  CacheStore* cache_;  // null: there is none, or it is off
+  CacheKey key_;
+};
+
 // A soft body for an object of a scene: taken from the cache, or built and kept there (load_live.cc).
 inline constexpr std::uint32_t kSoftTets = 2000;  // most tetrahedra, in the service and in tools
 
@@ -35,10 +75,15 @@ struct SoftLoadReport {
 };
 
 // Seconds to minutes unless it is in the cache; `cache` may be null. The key is the mesh, the options and the code. A
-// cached block that is damaged, or of another mesh, is rebuilt. options.progress returning false ends it with
-// "cancelled" and leaves nothing behind. Other errors: those of BuildSoftBody, or memory.
+// cached block that is damaged, or of another mesh, is rebuilt, by `build`. options.progress returning false ends it
+// with "cancelled" and leaves nothing behind. Other errors: those of BuildSoftBody, or memory.
+using SoftBuild = std::function<base::Result<haptics::SoftBody>(
+    const haptics::Mesh& mesh, const haptics::SoftBodyOptions& options, haptics::SoftBuildReport& report)>;
+base::Result<haptics::SoftBody> BuildSoftBodyHere(const haptics::Mesh& mesh, const haptics::SoftBodyOptions& options,
+                                                  haptics::SoftBuildReport& report);
 base::Result<haptics::SoftBody> LoadSoftBody(const haptics::Mesh& mesh, const haptics::SoftBodyOptions& options,
-                                             CacheStore* cache, SoftLoadReport& report);
+                                             CacheStore* cache, SoftLoadReport& report,
+                                             const SoftBuild& build = BuildSoftBodyHere);
 
 // All parts of a scene that change while it is in use, before it is in use: for callers that can wait, as tools can.
 // The service hands a scene to the tick first and its soft bodies when they are ready (daemon/scenes/scene_builder.cc).

@@ -12,16 +12,24 @@
 
 namespace omni::scene {
 
+class FilesBeside {
+ public:
+  virtual ~FilesBeside() = default;
+  // A descriptor for the caller, of the file with this name (IsLocalName). Throws LoadError.
+  virtual int OpenBeside(const std::string& name) = 0;
+};
+
 struct LoadOptions {
   bool all_kinematic = false;   // every node may be moved, whatever its tag says
   int memory = -1;              // descriptor of the document, which must not change any more; stays the caller's. The
-                                // path is its name then, for messages, and nothing beside it is read. < 0: none
+                                // path is its name then, for messages, and no file is opened by us. < 0: none
   bool touch_untagged = false;  // a file without any haptic tag is touched as a whole, with the default material
   bool fit = false;             // scale and move into reach: what is touched lies 5-30 mm above the hull
   base::Vec3 offset_base_m;
   double scale = 1;
   double hull_radius_m = 0.0375;
   std::uint64_t max_file_bytes = 1ull << 30;
+  FilesBeside* beside = nullptr;  // with `memory`: those beside the document; null: there are none
   std::uint32_t max_nodes = 100'000;
   std::uint32_t max_depth = 64;  // of the node hierarchy; deeper or cyclic: refused
 };

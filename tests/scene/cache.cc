@@ -24,8 +24,8 @@ CacheKey Key(std::uint8_t number) {
   return key;
 }
 
-std::vector<std::byte> BlockOf(std::size_t bytes, std::uint8_t seed) {
-  std::vector<std::byte> block(bytes);
+CacheBlock BlockOf(std::size_t bytes, std::uint8_t seed) {
+  CacheBlock block(bytes);
   for (std::size_t i = 0; i < bytes; ++i) block[i] = static_cast<std::byte>(i * 7 + seed);
   return block;
 }

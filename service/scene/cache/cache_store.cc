@@ -36,7 +36,7 @@ static_assert(sizeof(FileHeader) == 64);
 
 // Against damage, not against malice: the folder is ours alone, and readers check a block's content before they use it.
 // FNV-1a over 64-bit words.
-std::uint64_t Checksum(const std::vector<std::byte>& block) {
+std::uint64_t Checksum(std::span<const std::byte> block) {
   std::uint64_t sum = 0xcbf29ce484222325ULL;
   std::size_t i = 0;
   for (; i + 8 <= block.size(); i += 8) {
@@ -48,7 +48,7 @@ std::uint64_t Checksum(const std::vector<std::byte>& block) {
   return sum;
 }
 
-FileHeader HeaderOf(const CacheKey& key, const std::vector<std::byte>& block) {
+FileHeader HeaderOf(const CacheKey& key, std::span<const std::byte> block) {
   FileHeader header{kCacheMagic, kCacheFormat, block.size(), Checksum(block), {}, key.digest};
   key.kind.copy(header.kind.data(), header.kind.size());
   return header;
@@ -137,14 +137,14 @@ std::string CacheStore::PathOf(const CacheKey& key) const {
   return folder_ + "/" + key.kind + "-" + ToHex(key.digest) + kSuffix;
 }
 
-std::optional<std::vector<std::byte>> CacheStore::Get(const CacheKey& key, std::string& damage) {
+std::optional<CacheBlock> CacheStore::Get(const CacheKey& key, std::string& damage) {
   damage.clear();
   if (!problem_.empty()) return std::nullopt;
   const File file(open(PathOf(key).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (!file.open()) return std::nullopt;
   struct stat status {};
   FileHeader header{};
-  std::vector<std::byte> block;
+  CacheBlock block;
   if (fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_uid != geteuid()) {
     damage = "is not a regular file owned by this user";
   } else if (!ReadAll(file.get(), &header, sizeof header)) {
@@ -169,7 +169,7 @@ std::optional<std::vector<std::byte>> CacheStore::Get(const CacheKey& key, std::
   return block;
 }
 
-bool CacheStore::Put(const CacheKey& key, const std::vector<std::byte>& block) {
+bool CacheStore::Put(const CacheKey& key, std::span<const std::byte> block) {
   if (!problem_.empty() || block.size() > kMaxBlockBytes || block.size() > max_bytes_) return false;
   const std::string path = PathOf(key);
   if (!Write(path, key, block)) return false;
@@ -177,7 +177,7 @@ bool CacheStore::Put(const CacheKey& key, const std::vector<std::byte>& block) {
   return true;
 }
 
-bool CacheStore::Write(const std::string& path, const CacheKey& key, const std::vector<std::byte>& block) {
+bool CacheStore::Write(const std::string& path, const CacheKey& key, std::span<const std::byte> block) {
   const FileHeader header = HeaderOf(key, block);
   const std::string_view head(reinterpret_cast<const char*>(&header), sizeof header);
   const std::string_view body(reinterpret_cast<const char*>(block.data()), block.size());

@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "service/base/big_block.h"
 #include "service/scene/cache/sha256.h"
 
 namespace omni::scene {
@@ -16,6 +18,9 @@ struct CacheKey {
   std::string kind;  // "scene", "soft": a word of letters, part of the file's name
   Digest digest{};   // of everything the block depends on, the version of the code included
 };
+
+// As that of a scene, which takes it over.
+using CacheBlock = std::vector<std::byte, base::BigBlockAllocator<std::byte>>;
 
 struct CacheUse {
   std::uint64_t files = 0, bytes = 0;
@@ -35,11 +40,11 @@ class CacheStore {
 
   // The block of `key`. A file that is not exactly what Put wrote (length, version, checksum, key) is removed and not
   // returned; `damage` then says what was wrong with it.
-  std::optional<std::vector<std::byte>> Get(const CacheKey& key, std::string& damage);
+  std::optional<CacheBlock> Get(const CacheKey& key, std::string& damage);
 
   // Written beside, synced, renamed: readers see the old file or the whole new one. Over the size limit the least
   // recently used files are removed. False: not kept (see problem(); or larger than kMaxBlockBytes).
-  bool Put(const CacheKey& key, const std::vector<std::byte>& block);
+  bool Put(const CacheKey& key, std::span<const std::byte> block);
 
   void Remove(const CacheKey& key);
   CacheUse Usage() const;
@@ -47,7 +52,7 @@ class CacheStore {
 
  private:
   std::string PathOf(const CacheKey& key) const;
-  bool Write(const std::string& path, const CacheKey& key, const std::vector<std::byte>& block);
+  bool Write(const std::string& path, const CacheKey& key, std::span<const std::byte> block);
   void Evict(const std::string& keep);
 
   std::string folder_;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "service/haptics/scene/check_scene.h"
 #include "service/scene/gltf/json_reading.h"
@@ -113,17 +114,21 @@ void ReadReports(const Json& json, LoadReport& load, haptics::BuildReport& build
 
 }  // namespace
 
-std::vector<std::byte> Pack(const haptics::Scene& scene, const LoadReport& load, const haptics::BuildReport& build) {
-  const std::string text = ReportsText(load, build);
+std::string PackReports(const LoadReport& load, const haptics::BuildReport& build) {
+  std::string text = ReportsText(load, build);
   const std::uint64_t length = text.size();
-  std::vector<std::byte> block(scene.bytes() + text.size() + sizeof length);
-  std::memcpy(block.data(), scene.block().data(), scene.bytes());
-  std::memcpy(block.data() + scene.bytes(), text.data(), text.size());
-  std::memcpy(block.data() + scene.bytes() + text.size(), &length, sizeof length);
+  return text.append(reinterpret_cast<const char*>(&length), sizeof length);
+}
+
+CacheBlock Pack(const haptics::Scene& scene, const LoadReport& load, const haptics::BuildReport& build) {
+  const std::string reports = PackReports(load, build);
+  CacheBlock block(scene.bytes() + reports.size());
+  if (!scene.empty()) std::memcpy(block.data(), scene.block().data(), scene.bytes());
+  std::memcpy(block.data() + scene.bytes(), reports.data(), reports.size());
   return block;
 }
 
-std::string Unpack(const std::vector<std::byte>& block, CachedScene& cached) {
+std::string Unpack(CacheBlock block, CachedScene& cached) {
   std::uint64_t length = 0;
   if (block.size() < sizeof length) return "is empty";
   const std::size_t rest = block.size() - sizeof length;
@@ -137,8 +142,10 @@ std::string Unpack(const std::vector<std::byte>& block, CachedScene& cached) {
   } catch (const std::exception&) {
     return "has damaged reports";
   }
-  const auto end = block.begin() + static_cast<std::ptrdiff_t>(scene_bytes);
-  cached.scene = haptics::Scene(haptics::SceneBlock(block.begin(), end));
+  cached.scene = {};
+  if (scene_bytes == 0) return {};
+  block.resize(scene_bytes);
+  cached.scene = haptics::Scene(std::move(block));
   const base::Status checked = haptics::CheckScene(cached.scene);
   return checked.ok() ? std::string() : checked.error();
 }

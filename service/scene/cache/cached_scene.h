@@ -1,11 +1,10 @@
 // A built scene and its reports as one block of bytes for the cache.
 #pragma once
 
-#include <cstddef>
 #include <string>
-#include <vector>
 
 #include "service/haptics/scene/scene.h"
+#include "service/scene/cache/cache_store.h"
 #include "service/scene/scene_file.h"
 
 namespace omni::scene {
@@ -16,9 +15,12 @@ struct CachedScene {
   haptics::BuildReport build;
 };
 
-std::vector<std::byte> Pack(const haptics::Scene& scene, const LoadReport& load, const haptics::BuildReport& build);
+// What follows the scene's own block.
+std::string PackReports(const LoadReport& load, const haptics::BuildReport& build);
+CacheBlock Pack(const haptics::Scene& scene, const LoadReport& load, const haptics::BuildReport& build);
 
-// Empty: done. Otherwise what is wrong with the block, none of which is trusted: haptics::CheckScene.
-std::string Unpack(const std::vector<std::byte>& block, CachedScene& cached);
+// Empty: done, and the scene has the memory of `block`. Otherwise what is wrong with it; none of it is trusted:
+// haptics::CheckScene. Without a scene it is the empty one.
+std::string Unpack(CacheBlock block, CachedScene& cached);
 
 }  // namespace omni::scene

@@ -23,17 +23,26 @@ FileBytes::~FileBytes() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-void FileBytes::Open(const std::string& path, std::uint64_t max_bytes, bool follow_links) {
-  // O_NONBLOCK: opening a FIFO must not wait for its other end; it is refused below.
-  descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | (follow_links ? 0 : O_NOFOLLOW));
-  if (descriptor_ < 0)
+int OpenForReading(const std::string& path, bool follow_links) {
+  // O_NONBLOCK: opening a FIFO must not wait for its other end; it is refused by FileBytes.
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | (follow_links ? 0 : O_NOFOLLOW));
+  if (descriptor < 0)
     throw LoadError("", "cannot be opened (" + ReasonOf(errno) + "); check the path and its permissions");
-  Examine(max_bytes);
+  return descriptor;
+}
+
+void FileBytes::Open(const std::string& path, std::uint64_t max_bytes, bool follow_links) {
+  TakeDescriptor(OpenForReading(path, follow_links), max_bytes);
 }
 
 void FileBytes::OpenDescriptor(int descriptor, std::uint64_t max_bytes) {
-  descriptor_ = fcntl(descriptor, F_DUPFD_CLOEXEC, 3);
-  if (descriptor_ < 0) throw LoadError("", "cannot be opened (" + ReasonOf(errno) + ")");
+  const int copy = fcntl(descriptor, F_DUPFD_CLOEXEC, 3);
+  if (copy < 0) throw LoadError("", "cannot be opened (" + ReasonOf(errno) + ")");
+  TakeDescriptor(copy, max_bytes);
+}
+
+void FileBytes::TakeDescriptor(int descriptor, std::uint64_t max_bytes) {
+  descriptor_ = descriptor;
   Examine(max_bytes);
 }
 
@@ -113,6 +122,11 @@ std::vector<unsigned char> DecodeDataUri(const std::string& uri, const std::stri
   return bytes;
 }
 
+bool IsLocalName(std::string_view name) {
+  constexpr std::string_view kElsewhere("/\\:\0", 4);
+  return !name.empty() && name != "." && name != ".." && name.find_first_of(kElsewhere) == std::string_view::npos;
+}
+
 std::string LocalFileName(const std::string& uri, const std::string& pointer) {
   std::string name;
   for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -126,8 +140,7 @@ std::string LocalFileName(const std::string& uri, const std::string& pointer) {
     }
   }
   if (name.starts_with("./")) name.erase(0, 2);
-  const bool elsewhere = name.find_first_of(std::string("/\\:\0", 4)) != std::string::npos;
-  if (name.empty() || name == "." || name == ".." || elsewhere) {
+  if (!IsLocalName(name)) {
     throw LoadError(
         pointer,
         "names \"" + uri.substr(0, 60) +

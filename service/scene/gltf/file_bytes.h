@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "service/scene/cache/sha256.h"
@@ -24,6 +25,9 @@ class FileBytes {
 
   // The same for an open descriptor, which stays the caller's.
   void OpenDescriptor(int descriptor, std::uint64_t max_bytes);
+
+  // The same, and it is ours from now on.
+  void TakeDescriptor(int descriptor, std::uint64_t max_bytes);
 
   // Everything read from now on is added to `digest`, which outlives this.
   void AddTo(Sha256* digest) { digest_ = digest; }
@@ -48,8 +52,14 @@ class FileBytes {
 // "data:...;base64,..." -> bytes. Throws LoadError.
 std::vector<unsigned char> DecodeDataUri(const std::string& uri, const std::string& pointer);
 
-// Percent-decoded name of a file in the document's own folder. Throws LoadError on any other place (a scheme, a folder,
-// "..", a NUL byte): a scene file must not make the service open files elsewhere.
+// A file for reading; it may turn out to be none (FileBytes checks). Throws LoadError.
+int OpenForReading(const std::string& path, bool follow_links);
+
+// A file in the document's own folder: no scheme, folder, ".." or NUL byte. A scene file must not make the service open
+// files elsewhere.
+bool IsLocalName(std::string_view name);
+
+// The percent-decoded name of such a file. Throws LoadError on any other place.
 std::string LocalFileName(const std::string& uri, const std::string& pointer);
 
 }  // namespace omni::scene

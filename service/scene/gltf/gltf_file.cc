@@ -29,6 +29,7 @@ void GltfFile::Open(const std::string& path, const LoadOptions& options, LoadRep
   path_ = path;
   max_file_bytes_ = options.max_file_bytes;
   in_memory_ = options.memory >= 0;
+  beside_ = options.beside;
   if (in_memory_) {
     file_.OpenDescriptor(options.memory, max_file_bytes_);
   } else {
@@ -109,7 +110,7 @@ std::uint64_t GltfFile::stored_bytes() const {
 }
 
 FileBytes& GltfFile::OpenBeside(const std::string& uri, const std::string& pointer) {
-  if (in_memory_) {
+  if (in_memory_ && beside_ == nullptr) {
     throw LoadError(pointer,
                     "names \"" + uri.substr(0, 60) +
                         "\", but a document in memory has no files beside it: export as .glb, or with data URIs");
@@ -123,7 +124,11 @@ FileBytes& GltfFile::OpenBeside(const std::string& uri, const std::string& point
   FileBytes& bytes = external_.emplace_back();
   bytes.AddTo(&digest_);
   try {
-    bytes.Open(file.string(), max_file_bytes_, false);
+    if (in_memory_) {
+      bytes.TakeDescriptor(beside_->OpenBeside(name), max_file_bytes_);
+    } else {
+      bytes.Open(file.string(), max_file_bytes_, false);
+    }
   } catch (const LoadError& error) {
     throw LoadError(pointer, file.string() + " " + error.what());
   }
