@@ -1,0 +1,47 @@
+#include "service/daemon/scenes/build_way.h"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <new>
+#include <system_error>
+
+namespace omni::daemon {
+
+CancelEvent::CancelEvent() : event_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (!event_) throw std::system_error(errno, std::generic_category(), "eventfd");
+}
+
+void CancelEvent::Set() noexcept {
+  const std::uint64_t one = 1;
+  while (write(event_.get(), &one, sizeof one) < 0 && errno == EINTR) {
+  }
+}
+
+bool CancelEvent::is_set() const noexcept {
+  pollfd wait{event_.get(), POLLIN, 0};
+  return poll(&wait, 1, 0) > 0;
+}
+
+base::Result<haptics::Scene> BuildHere::BuildScene(const std::string& file, const scene::LoadOptions& options,
+                                                   const scene::LoadSteps& steps, const CancelEvent& /*cancel*/,
+                                                   scene::LoadReport& load, haptics::BuildReport& report) const {
+  try {
+    return scene::LoadInSteps(file, options, steps, load, report);
+  } catch (const std::bad_alloc&) {
+    return base::Error{file + ": does not fit into memory; simplify the model"};
+  }
+}
+
+base::Result<haptics::SoftBody> BuildHere::BuildSoftBody(const haptics::Mesh& mesh,
+                                                         const haptics::SoftBodyOptions& options,
+                                                         const CancelEvent& cancel,
+                                                         haptics::SoftBuildReport& report) const {
+  haptics::SoftBodyOptions watched = options;
+  watched.progress = [&](double done) { return !cancel.is_set() && (!options.progress || options.progress(done)); };
+  return scene::BuildSoftBodyHere(mesh, watched, report);
+}
+
+}  // namespace omni::daemon
