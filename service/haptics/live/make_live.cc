@@ -1,6 +1,7 @@
 #include "service/haptics/live/make_live.h"
 
 #include <algorithm>
+#include <string>
 
 namespace omni::haptics {
 namespace {
@@ -167,8 +168,16 @@ void AddSculptSessions(const Scene& scene, const LivePlan& plan, LiveParts& live
   }
 }
 
-LivePlan MakeLive(Scene& scene) {
+LivePlan MakeLive(Scene& scene, std::uint64_t most_bytes) {
   LivePlan plan = PlanLive(scene);
+  while (SculptSessionBytes(scene, plan) > most_bytes) {
+    const std::uint64_t all = SculptSessionBytes(scene, plan);
+    const std::string name = scene.objects()[plan.sculpted.back()].name;
+    plan.sculpted.pop_back();
+    plan.lines.push_back(name + ": sculptable, which needs " +
+                         std::to_string((all - SculptSessionBytes(scene, plan)) / 1'000'000 + 1) +
+                         " MB more than scenes may take: it stays rigid; simplify it, or end other applications");
+  }
   if (plan.empty()) return plan;
   auto live = std::make_shared<LiveParts>();
   AddSculptSessions(scene, plan, *live, plan.lines);

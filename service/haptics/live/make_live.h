@@ -50,8 +50,9 @@ sculpt::Brush BrushOf(const Sculpt& sculpt, const Mesh& mesh);
 void AddSculptSessions(const Scene& scene, const LivePlan& plan, LiveParts& live, std::vector<std::string>& lines);
 
 // Plans, makes the sculpt sessions and gives the scene its LiveParts if anything is to change in it; soft bodies are
-// left to the caller, who sets them later (LiveParts::SetSoftBody). `scene` is not in the tick yet.
-LivePlan MakeLive(Scene& scene);
+// left to the caller, who sets them later (LiveParts::SetSoftBody). `scene` is not in the tick yet. Sculpt sessions
+// that would take more than `most_bytes` are left out, with a line.
+LivePlan MakeLive(Scene& scene, std::uint64_t most_bytes = UINT64_MAX);
 
 // Largest memory of the tables between a soft body's nodes, bytes; its skin adds 16 per vertex.
 std::uint64_t MostSoftBytes(const SoftBodyOptions& options);
