@@ -1,23 +1,21 @@
-// The builder thread: loads and builds one scene at a time, off the tick and off the control thread. A scene with soft
-// bodies is delivered without them; they are computed afterwards, one by one, while no scene is requested.
+// Builds clients' scenes, off the tick and off the control thread: several at once, as many as there are processors and
+// as there is memory for (memory_budget.h), each by a BuildWay. A scene with soft bodies is delivered without them;
+// they are computed afterwards, one by one.
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
-#include <deque>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
-#include "service/base/threads/realtime_threads.h"
 #include "service/base/unique_fd.h"
 #include "service/config/files/app_file.h"
+#include "service/daemon/scenes/build_way.h"
+#include "service/daemon/scenes/memory_budget.h"
 #include "service/haptics/scene/scene.h"
-#include "service/scene/cache/cache_store.h"
 #include "service/scene/load_scene.h"
 #include "service/scene/scene_file.h"
 
@@ -28,6 +26,7 @@ struct BuiltScene {
   std::uint64_t build = 0;  // a number that is never reused
   std::string file;
   // Null: failed, see error. Includes its live parts, if any: sculpt sessions at once, soft bodies as they get ready.
+  // Its memory counts for its client until nobody has it any more.
   std::shared_ptr<const haptics::Scene> scene;
   std::string error;
   std::vector<std::string> warnings;
@@ -55,69 +54,74 @@ scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius
 
 // A scene to be built, and for which client.
 struct SceneJob {
-  std::uint64_t client = 0;
+  std::uint64_t client = 0;                        // of the job: a client may have several
   std::string file;                                // path, or the document's name
-  scene::LoadOptions options;                      // `memory` is set from the next one
+  scene::LoadOptions options;                      // `memory` and `beside` are set by the builder
   std::shared_ptr<const base::UniqueFd> document;  // instead of a file; null: none
+  std::uint64_t payer = 0;                         // whose memory its scene is; 0: `client`
 };
+
+// What waits for memory, for its client.
+struct BuilderNote {
+  std::uint64_t client = 0;
+  std::string text;
+};
+
+// For people.
+struct BuilderStatus {
+  struct Row {
+    std::uint64_t client = 0;
+    std::string file, state;  // "runs", or why it waits
+    bool soft = false;
+    scene::BuildNeed need;
+  };
+  std::vector<Row> rows;  // oldest first
+  std::uint64_t kept_bytes = 0, peak_bytes = 0;
+  MemoryLimits limits;
+};
+
+struct BuilderOptions {
+  double hull_radius_m = 0.0375;
+  std::string cache_folder;  // of built scenes (scene/cache/cache_store.h); empty: no cache
+  // Of a soft body, at most [100, 400000]; more take longer to compute.
+  std::uint32_t soft_tets = scene::kSoftTets;
+  std::shared_ptr<const BuildWay> way = std::make_shared<const BuildHere>();
+  std::string refused;  // why no scene is built at all; empty: they are
+  MemoryLimits limits;
+};
+
+// As many builders as processors, for limits.
+std::uint32_t BuildersOfComputer();
 
 class SceneBuilder {
  public:
-  // `cache_folder`: stores built scenes (scene/cache/cache_store.h); empty: no cache. `soft_tets`: of a soft body, at
-  // most [100, 400000]; more take longer to compute.
-  explicit SceneBuilder(double hull_radius_m, std::string cache_folder = {},
-                        std::uint32_t soft_tets = scene::kSoftTets);
-  ~SceneBuilder();
+  explicit SceneBuilder(BuilderOptions options);
+  explicit SceneBuilder(double hull_radius_m, std::string cache_folder = {}, std::uint32_t soft_tets = scene::kSoftTets)
+      : SceneBuilder(BuilderOptions{
+            .hull_radius_m = hull_radius_m, .cache_folder = std::move(cache_folder), .soft_tets = soft_tets}) {}
+  ~SceneBuilder();  // ends what runs, and waits for that no longer than a moment
   SceneBuilder(const SceneBuilder&) = delete;
   SceneBuilder& operator=(const SceneBuilder&) = delete;
 
-  // Queues a job; replaces a job of the same client that has not begun, and cancels its soft bodies.
+  // Queues a job; ends the same client's one before, and its soft bodies.
   void Request(std::uint64_t client, const config::AppEntry& app);
   void Request(SceneJob job);
-  // Forgets the client's waiting jobs; the result of a running one is dropped.
+  // Ends the client's job; there will be no result of it.
   void Cancel(std::uint64_t client);
   // A finished job, oldest first.
   std::optional<BuiltScene> PopResult();
   // A soft body that was finished or has failed, oldest first. Never before its scene's result.
   std::optional<SoftOutcome> PopSoftOutcome();
+  std::optional<BuilderNote> PopNote();
   SoftProgress Progress(std::uint64_t client) const;
+  BuilderStatus Status() const;
+  std::uint64_t KeptBytes(std::uint64_t payer) const;
 
  private:
-  // The soft bodies that a scene still has to get.
-  struct SoftJob {
-    std::uint64_t client = 0;
-    std::string file;
-    std::shared_ptr<const haptics::Scene> scene;
-    std::deque<std::uint32_t> objects;
-  };
-  void Run();
-  // Both need the lock held, and release it while they work.
-  void RunJob(std::unique_lock<std::mutex>& lock);
-  void RunSoftJob(std::unique_lock<std::mutex>& lock);
-  std::unique_ptr<const haptics::SoftBody> MakeSoftBody(const haptics::Scene& scene, std::uint32_t index,
-                                                        SoftOutcome& outcome);
-  // Called by the precompute: whether to continue. Builds requested scenes meanwhile.
-  bool GoOn(std::uint64_t client, double done);
-  void DropSoft(std::uint64_t client);  // with the lock held
-  BuiltScene Build(const SceneJob& job, std::deque<std::uint32_t>& soft_objects);
-
+  class Work;  // shared with the threads, of which one may outlive this when a disk hangs
   const double hull_radius_m_;
-  const std::string cache_folder_;
-  const std::uint32_t soft_tets_;
-  std::optional<scene::CacheStore> cache_;  // of the thread
-  bool cache_reported_ = false;
-  mutable base::PriorityMutex mutex_;
-  std::condition_variable wake_;
-  std::deque<SceneJob> jobs_;
-  std::deque<BuiltScene> results_;
-  std::uint64_t builds_ = 0;
-  std::uint64_t running_client_ = 0;  // 0: none, or its result is no longer wanted
-  std::deque<SoftJob> soft_jobs_;     // the first one is in progress
-  std::uint64_t soft_client_ = 0;     // as running_client_
-  std::deque<SoftOutcome> outcomes_;
-  std::map<std::uint64_t, SoftProgress> progress_;
-  bool stop_ = false;
-  std::thread thread_;
+  const std::shared_ptr<Work> work_;
+  std::thread dispatcher_;
 };
 
 }  // namespace omni::daemon
