@@ -23,6 +23,7 @@ void AddOptions(console::Program& omnid, RunOptions& options) {
   omnid.Add("--stop-file", options.stop_path,
             "file that keeps an emergency stop (default: $XDG_STATE_HOME/omni/emergency_stop.toml)");
   omnid.Add("--socket", options.socket_path, "control socket (default: $OMNI_SOCKET, else below $XDG_RUNTIME_DIR)");
+  omnid.Add("--builder", options.builder_program, "program that builds scenes (default: omni-builder beside omnid)");
   omnid.Add("--record", options.record_path, "CSV file with one line per tick");
   omnid.Add("--record-device", options.record_device_path, "file of all scans and commands, for --device replay:FILE");
   omnid.Add("--replace", options.replace, "recordings replace files that exist");

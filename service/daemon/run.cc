@@ -20,6 +20,7 @@
 #include "service/daemon/devices/open_device.h"
 #include "service/daemon/end_watch.h"
 #include "service/daemon/log_queue.h"
+#include "service/daemon/scenes/child_builder.h"
 #include "service/daemon/service.h"
 #include "service/ipc/listener.h"
 #include "service/loop/tick_config.h"
@@ -99,6 +100,10 @@ int RunChecked(RunOptions options, std::optional<ipc::InheritedSocket> inherited
   const std::string hand = options.hand == "auto" ? inputs.hand : options.hand;
   const auto follow = config::LoadFollowFile(config::UserFollowFile());
   if (!follow.ok()) spdlog::warn("{}", follow.error());
+  const std::string program =
+      options.builder_program.empty() ? config::ProgramFolder() + "/omni-builder" : options.builder_program;
+  const auto builder = std::make_shared<const ChildBuilder>(program);
+  const base::Status startable = builder->CheckProgram();
   Service service(
       {.version = OMNI_VERSION,
        .instance = instance,
@@ -109,6 +114,8 @@ int RunChecked(RunOptions options, std::optional<ipc::InheritedSocket> inherited
        .hand = hand,
        .alignment_path = options.alignment_path.empty() ? config::UserAlignmentFile() : options.alignment_path,
        .stop_path = options.stop_path.empty() ? config::UserStopFile() : options.stop_path,
+       .build_way = builder,
+       .builds_refused = startable.ok() ? std::string() : startable.error(),
        .base_follows = !follow.ok() || follow->has_value(),
        .on_aligned = [&sink](bool aligned) { sink.SetAligned(aligned); },
        .on_base = [&publisher](const protocol::BaseSample& sample) { (*publisher)->PublishBase(sample); }});

@@ -19,6 +19,7 @@ struct RunOptions {
   std::string alignment_path;    // empty: the user's own
   std::string stop_path;         // empty: the user's own
   std::string socket_path;
+  std::string builder_program;     // empty: omni-builder beside this program
   std::string record_path;         // ticks, as CSV
   bool replace = false;            // recordings replace files that exist
   std::string record_device_path;  // scans and commands, for --device replay:FILE

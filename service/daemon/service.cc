@@ -42,7 +42,12 @@ Service::Service(ServiceOptions options)
       start_ns_(base::MonotonicNow_ns()),
       device_(options_.calibration),
       scenes_(
-          {options_.hull_radius_m, options_.cache_folder, options_.soft_tets},
+          {.hull_radius_m = options_.hull_radius_m,
+           .cache_folder = options_.cache_folder,
+           .soft_tets = options_.soft_tets,
+           .way = options_.build_way,
+           .refused = options_.builds_refused,
+           .limits = {.builders = BuildersOfComputer()}},
           [this](ipc::ClientId id, int level, const std::string& text) { Problem(id, level, text); },
           [this](ipc::ClientId id, const std::string& message) {
             return server_ != nullptr && server_->SendBytes(id, message);
@@ -69,6 +74,7 @@ Service::Service(ServiceOptions options)
           },
           [this](ipc::ClientId id, const protocol::Surfaces& surfaces, int fd) { return Send(id, surfaces, {}, fd); }) {
   for (const std::string& problem : options_.apps.problems) Problem(0, 1, problem);
+  if (!options_.builds_refused.empty()) Problem(0, 1, options_.builds_refused);
   if (!base_poses_.problem().empty()) spdlog::warn("{}", base_poses_.problem());
   if (stop_.on()) spdlog::warn("{}", stop_.Problem());
   base_poses_.SetFollowed(followed_base_.headset(), followed_base_.seen());

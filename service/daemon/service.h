@@ -38,9 +38,11 @@ struct ServiceOptions {
   std::string cache_folder;               // of built scenes; empty: none
   config::CalibrationChoice calibration;  // until AttachedDevice::SetCalibration
   std::uint32_t soft_tets = scene::kSoftTets;
-  std::string hand = "auto";               // "left", "right": of applications whose file names none
-  std::string alignment_path;              // where bases stand in headsets' spaces; empty: nothing is stored
-  std::string stop_path;                   // latch of an emergency stop; empty: none is kept
+  std::string hand = "auto";   // "left", "right": of applications whose file names none
+  std::string alignment_path;  // where bases stand in headsets' spaces; empty: nothing is stored
+  std::string stop_path;       // latch of an emergency stop; empty: none is kept
+  std::shared_ptr<const BuildWay> build_way = std::make_shared<const BuildHere>();
+  std::string builds_refused;              // why no scene is built; empty: they are
   bool base_follows = false;               // also before a tool reports where the base is
   std::function<void(bool)> on_aligned{};  // control thread: whether the owner's headset has a measured base pose
   std::function<void(const protocol::BaseSample&)> on_base{};  // control thread: where a base that moves is

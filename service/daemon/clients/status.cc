@@ -147,6 +147,26 @@ json Scene(const StatusInput& input) {
           {"sculpted", SculptedOf(felt)}};
 }
 
+// What scenes take of their limits, and which are being built or wait.
+json Builds(const BuilderStatus& builds) {
+  constexpr double kPerMB = 1e-6;
+  json rows = json::array();
+  for (const BuilderStatus::Row& row : builds.rows) {
+    rows.push_back({{"client", row.client},
+                    {"file", row.file},
+                    {"soft_body", row.soft},
+                    {"state", row.state},
+                    {"needs_MB", kPerMB * static_cast<double>(row.need.peak_bytes)}});
+  }
+  return {{"kept_MB", kPerMB * static_cast<double>(builds.kept_bytes)},
+          {"kept_limit_MB", kPerMB * static_cast<double>(builds.limits.kept_bytes)},
+          {"client_limit_MB", kPerMB * static_cast<double>(builds.limits.client_bytes)},
+          {"building_MB", kPerMB * static_cast<double>(builds.peak_bytes)},
+          {"building_limit_MB", kPerMB * static_cast<double>(builds.limits.pool_bytes)},
+          {"builders_limit", builds.limits.builders},
+          {"builders", std::move(rows)}};
+}
+
 json SourceNames(base::SourceMask mask, const std::string& sign, const std::vector<std::uint16_t>& slots) {
   json names = json::array();
   for (; mask != 0; mask &= mask - 1) {
@@ -203,6 +223,7 @@ json ClientRows(const StatusInput& input) {
                     {"scene", scene == nullptr ? "" : scene->file},
                     {"soft_bodies", SoftBodies(input.scenes.ProgressOf(id))},
                     {"sculpted", SculptedOf(scene.get())},
+                    {"scene_MB", 1e-6 * static_cast<double>(input.scenes.KeptBytesOf(id))},
                     {"aligned", input.base_poses.IsAligned(id)},
                     {"runtime", request == nullptr ? "" : request->headset.runtime},
                     {"system", request == nullptr ? "" : request->headset.system}});
@@ -266,6 +287,7 @@ std::string WriteStatus(const StatusInput& input) {
       {"stop", Stop(stop)},
       {"clients", ClientRows(input)},
       {"scene", Scene(input)},
+      {"builds", Builds(input.scenes.BuilderNow())},
       {"aligned", input.aligned},
       {"alignments", Alignments(input.base_poses.file())}};
   std::vector<std::string> problems = input.problems;

@@ -80,7 +80,8 @@ void AppScenes::Request(ipc::ClientId id, AppScene& scene) {
                                 .scale = scene.scale,
                                 .hull_radius_m = hull_radius_m_,
                                 .max_file_bytes = protocol::kMaxHapticSceneBytes},
-                    .document = scene.document});
+                    .document = scene.document,
+                    .payer = id});
 }
 
 void AppScenes::Drop(AppScene& scene) { handed_.Retire(std::exchange(scene.built, nullptr)); }

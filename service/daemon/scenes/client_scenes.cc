@@ -11,10 +11,10 @@ namespace omni::daemon {
 
 std::uint32_t TrianglesOf(const haptics::Scene& scene) { return scene.empty() ? 0 : scene.header().triangle_count; }
 
-ClientScenes::ClientScenes(const Options& options, Problem problem, AppScenes::Send send)
+ClientScenes::ClientScenes(const BuilderOptions& options, Problem problem, AppScenes::Send send)
     : hull_radius_m_(options.hull_radius_m),
       problem_(std::move(problem)),
-      builder_(options.hull_radius_m, options.cache_folder, options.soft_tets),
+      builder_(options),
       documents_(builder_, options.hull_radius_m, handed_, std::move(send)) {}
 
 void ClientScenes::Drop(ipc::ClientId id) {
@@ -33,6 +33,9 @@ void ClientScenes::Remove(ipc::ClientId id) {
 void ClientScenes::HandleResults() {
   while (std::optional<BuiltScene> built = builder_.PopResult()) {
     AppScenes::IsJob(built->client) ? TakeDocument(std::move(*built)) : TakeFileScene(std::move(*built));
+  }
+  while (const std::optional<BuilderNote> note = builder_.PopNote()) {
+    problem_(AppScenes::ClientOf(note->client), 0, note->text);
   }
   while (const std::optional<SoftOutcome> soft = builder_.PopSoftOutcome()) ReportSoftBody(*soft);
   while (const std::optional<SculptProblem> problem = sculpt_.PopProblem()) {

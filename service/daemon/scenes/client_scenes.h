@@ -1,6 +1,6 @@
 // Which scene each client has: that of its file in apps.d, or one that it has handed over itself; and which of them the
-// tick has. Scenes are built on one thread and sculpted on another; one is freed when neither its client nor the tick
-// has it any more. Control thread only.
+// tick has. Scenes are built by processes of their own and sculpted on a thread; one is freed when neither its client
+// nor the tick has it any more. Control thread only.
 #pragma once
 
 #include <cstdint>
@@ -22,15 +22,10 @@ std::uint32_t TrianglesOf(const haptics::Scene& scene);
 
 class ClientScenes {
  public:
-  struct Options {
-    double hull_radius_m = 0;
-    std::string cache_folder;  // of built scenes; empty: none
-    std::uint32_t soft_tets = scene::kSoftTets;
-  };
   // For people: 0 a remark, 1 a warning, 2 an error. `id`: the client that gets it, too; 0: none.
   using Problem = std::function<void(ipc::ClientId id, int level, const std::string& text)>;
 
-  ClientScenes(const Options& options, Problem problem, AppScenes::Send send);
+  ClientScenes(const BuilderOptions& options, Problem problem, AppScenes::Send send);
 
   // Builds the scene of the client's file.
   void Request(ipc::ClientId id, const config::AppEntry& app) { builder_.Request(id, app); }
@@ -50,6 +45,8 @@ class ClientScenes {
     return builder_.Progress(scene == nullptr ? 0 : scene->client);
   }
   SoftProgress ProgressOf(ipc::ClientId id) const;
+  BuilderStatus BuilderNow() const { return builder_.Status(); }
+  std::uint64_t KeptBytesOf(ipc::ClientId id) const { return builder_.KeptBytes(id); }
   scene::LoadOptions LoadOptionsFor(const config::AppEntry& app) const { return LoadOptionsOf(app, hull_radius_m_); }
 
   // Makes the owner's scene, 0: none, the one that the tick is to have.
