@@ -96,6 +96,13 @@ TEST(ToolsSceneEdit, StatusShowsSoftBodyProgress) {
   status["scene"]["sculpted"] = 0;
   EXPECT_EQ(StatusText(status).find("soft"), std::string::npos);
   EXPECT_EQ(StatusText(status).find("sculpted"), std::string::npos);
+  EXPECT_EQ(StatusText(status).find("memory"), std::string::npos);
+  status["builds"] =
+      json::parse(R"({"kept_MB": 410.2, "kept_limit_MB": 768, "building_MB": 0, "building_limit_MB": 1200,
+    "builders": [{"file": "b.glb", "soft_body": false, "state": "waits for memory: needs 410 MB, 357 MB are free"}]})");
+  const std::string builds = StatusText(status);
+  EXPECT_NE(builds.find("scenes keep 411 MB of 768 MB, builders have 0 MB of 1200 MB"), std::string::npos) << builds;
+  EXPECT_NE(builds.find("b.glb: waits for memory: needs 410 MB, 357 MB are free"), std::string::npos) << builds;
 }
 
 }  // namespace test_tools_scene_edit

@@ -169,6 +169,22 @@ std::string KeyDeviceLine(const json& device) {
   return TextAt(device, "/rule") + ": " + (problem.empty() || problem == "-" ? "not connected" : problem);
 }
 
+std::string Megabytes(const json& json, const char* pointer) {
+  return std::to_string(static_cast<long>(std::ceil(std::clamp(NumberAt(json, pointer), 0.0, 1e6)))) + " MB";
+}
+
+// Empty: no scene takes memory, and none is being built.
+std::string MemoryLine(const json& status) {
+  if (!(NumberAt(status, "/builds/kept_MB") > 0) && ArrayAt(status, "/builds/builders").empty()) return {};
+  return "scenes keep " + Megabytes(status, "/builds/kept_MB") + " of " + Megabytes(status, "/builds/kept_limit_MB") +
+         ", builders have " + Megabytes(status, "/builds/building_MB") + " of " +
+         Megabytes(status, "/builds/building_limit_MB");
+}
+
+std::string BuilderLine(const json& row) {
+  return TextAt(row, "/file") + (TrueAt(row, "/soft_body") ? ", a soft body" : "") + ": " + TextAt(row, "/state");
+}
+
 std::string ClientLine(const json& client) {
   if (TrueAt(client, "/monitor"))
     return "monitor \"" + TextAt(client, "/application") + "\" (pid " + TextAt(client, "/pid") + ")";
@@ -202,6 +218,8 @@ std::string StatusText(const json& status) {
   for (const json& device : ArrayAt(status, "/inputs/devices")) text += Line("keys", KeyDeviceLine(device));
   text += Line("alignment", TrueAt(status, "/aligned") ? "aligned with the headset"
                                                        : "not aligned: the base is assumed to be in front of you");
+  if (const std::string memory = MemoryLine(status); !memory.empty()) text += Line("memory", memory);
+  for (const json& row : ArrayAt(status, "/builds/builders")) text += Line("builds", BuilderLine(row));
   const json& clients = ArrayAt(status, "/clients");
   if (clients.empty()) text += Line("clients", "none");
   for (const json& client : clients) text += Line("client", ClientLine(client));
