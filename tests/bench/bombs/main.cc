@@ -1,6 +1,7 @@
 // Cost of hostile documents: time until each is refused (or loaded), and memory, for `omni scene explain` and for omnid
 // while another application draws. Prints a table; run by scripts/bombs.
-//   omni_bench_bombs [--bin FOLDER] [--bytes N] [--limit SECONDS]
+//   omni_bench_bombs [--bin FOLDER] [--bytes N] [--limit SECONDS] [--giants N]
+// --giants: instead, so many legal scenes of 3.9 million triangles at once.
 // --bin: folder of omni and omnid, possibly of another build (default: that of this program).
 #include <algorithm>
 #include <chrono>
@@ -14,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/bench/bombs/giants.h"
 #include "tests/bench/bombs/measure.h"
 #include "tests/bench/harness/work_folder.h"
 #include "tests/support/bombs.h"
@@ -27,6 +29,7 @@ struct Options {
   fs::path bin = fs::read_symlink("/proc/self/exe").parent_path();
   std::size_t bytes = 3'000'000;
   double limit_s = 20;
+  int giants = 0;
 };
 
 void Write(const fs::path& path, const std::string& text) {
@@ -189,9 +192,11 @@ int Run(int argc, char** argv) {
     const std::string word = argv[i];
     if (word == "--bin") options.bin = fs::absolute(argv[i + 1]);
     if (word == "--bytes") options.bytes = std::strtoul(argv[i + 1], nullptr, 10);
+    if (word == "--giants") options.giants = std::atoi(argv[i + 1]);
     if (word == "--limit") options.limit_s = std::strtod(argv[i + 1], nullptr);
   }
   const bench::WorkFolder folder;
+  if (options.giants > 0) return RunGiants(options.bin, folder.path(), options.giants, options.limit_s) ? 0 : 1;
   if (!RunScenes(options, folder.path())) {
     std::fprintf(stderr, "omnid does not start, or nothing is drawn: is %s built?\n", options.bin.c_str());
     return 1;

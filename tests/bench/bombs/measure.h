@@ -44,6 +44,7 @@ class Omnid {
 
   void ForgetPeak() const;  // of its memory
   double PeakMemory_MB() const;
+  pid_t pid() const { return pid_; }
 
  private:
   std::string program_, folder_;
