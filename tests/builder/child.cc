@@ -152,6 +152,17 @@ TEST_F(ChildBuilderTest, SoftBodiesAreTheSameAndTheCacheIsOmnids) {
   EXPECT_TRUE(Outcome(again).report.cached);
 }
 
+// As the service builds it: what it was granted is enough.
+TEST_F(ChildBuilderTest, AWholeSoftBodyFitsIntoItsGrant) {
+  SceneBuilder builder({.way = Children()});
+  config::AppEntry app;
+  app.scene = OMNI_SOURCE_DIR "/scenes/dragon.glb";
+  builder.Request(1, app);
+  ASSERT_NE(Result(builder).scene, nullptr);
+  EXPECT_GT(builder.Progress(1).objects, 0U);
+  EXPECT_EQ(Outcome(builder).error, "");
+}
+
 TEST_F(ChildBuilderTest, ACachedSceneIsNotBuiltAgain) {
   const config::AppEntry app = Rigid("cached", 60);
   for (const bool cached : {false, true}) {

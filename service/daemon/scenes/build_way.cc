@@ -1,28 +1,20 @@
 #include "service/daemon/scenes/build_way.h"
 
-#include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <new>
-#include <system_error>
 
 namespace omni::daemon {
 
-CancelEvent::CancelEvent() : event_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (!event_) throw std::system_error(errno, std::generic_category(), "eventfd");
-}
+CancelEvent::CancelEvent() noexcept : event_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
 
 void CancelEvent::Set() noexcept {
+  set_.store(true);
   const std::uint64_t one = 1;
   while (write(event_.get(), &one, sizeof one) < 0 && errno == EINTR) {
   }
-}
-
-bool CancelEvent::is_set() const noexcept {
-  pollfd wait{event_.get(), POLLIN, 0};
-  return poll(&wait, 1, 0) > 0;
 }
 
 base::Result<haptics::Scene> BuildHere::BuildScene(const std::string& file, const scene::LoadOptions& options,

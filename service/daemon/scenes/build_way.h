@@ -1,6 +1,7 @@
 // How scenes and soft bodies are built: in this process, for tests, or by a process for each (child_builder.h).
 #pragma once
 
+#include <atomic>
 #include <string>
 
 #include "service/base/unique_fd.h"
@@ -13,12 +14,14 @@ namespace omni::daemon {
 // Ends a build from any thread.
 class CancelEvent {
  public:
-  CancelEvent();  // throws std::system_error
+  CancelEvent() noexcept;
   void Set() noexcept;
-  bool is_set() const noexcept;
-  int fd() const noexcept { return event_.get(); }  // readable once it is set
+  bool is_set() const noexcept { return set_.load(); }
+  // Readable once it is set; < 0 when this process has no descriptor left: it is noticed later then.
+  int fd() const noexcept { return event_.get(); }
 
  private:
+  std::atomic<bool> set_{false};
   base::UniqueFd event_;
 };
 
