@@ -78,6 +78,7 @@ std::string Installed::unit_;
 TEST_F(Installed, ContainsEveryFile) {
   for (const char* file : {"bin/omni",
                            "bin/omnid",
+                           "bin/omni-builder",
                            "bin/omni_align_probe",
                            "bin/omni_touch",
                            "bin/omni_force",

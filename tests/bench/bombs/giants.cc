@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "service/base/clock.h"
@@ -114,7 +115,7 @@ class Owner {
     connection_.SignalAlive();
     if (connection_.connected() && !begun_) begun_ = connection_.SendSession(protocol::SessionState::kBegun);
     for (const auto& notice : connection_.PopNotices()) {
-      if (notice.level >= 2) refused_ = true;
+      if (notice.level >= 2 && !std::exchange(refused_, true)) std::printf("  %.300s\n", notice.text);
       if (notice.level == 0) waited_ = true;
     }
     return begun_;
