@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <new>
 #include <utility>
 
@@ -54,19 +55,16 @@ base::Result<haptics::Scene> Timed(const std::string& path, LoadReport& load, ha
 
 base::Result<haptics::Scene> Load(const std::string& path, const LoadOptions& options, const LoadSteps& steps,
                                   LoadReport& load, haptics::BuildReport& build) {
-  SceneReader reader(path, options, load);
-  if (!steps.admit(NeedOf(EstimateBuild(reader.Count())))) return base::Error{path + ": is not loaded"};
-  if (!reader.ReadBytes()) return haptics::Scene();
-  if (!steps.build(reader.FinishDigest())) return base::Error{path + ": is not built"};
-  const haptics::SceneInput input = reader.MakeInput();
+  auto reader = std::make_unique<SceneReader>(path, options, load);
+  if (!steps.admit(NeedOf(EstimateBuild(reader->Count())))) return base::Error{path + ": is not loaded"};
+  if (!reader->ReadBytes()) return haptics::Scene();
+  if (!steps.build(reader->FinishDigest())) return base::Error{path + ": is not built"};
+  const haptics::SceneInput input = reader->MakeInput();
+  reader.reset();  // document and decoded meshes: 24 bytes of a triangle
   base::Result<haptics::Scene> scene = haptics::BuildScene(input, build);
   if (!scene.ok()) return base::Error{path + ": " + scene.error()};
   return scene;
 }
-
-}  // namespace
-
-namespace {
 
 constexpr std::uint64_t kMiB = 1 << 20;
 constexpr std::uint64_t kProgram = 12 * kMiB;      // of the process that builds
