@@ -131,9 +131,11 @@ void SculptEditor::End() {
 void SculptEditor::CloseStep() {
   for (std::size_t i = done_; i < steps_.size(); ++i) undo_bytes_ -= steps_[i].bytes();
   steps_.resize(done_);
+  restored_ = std::min(restored_, done_);
   steps_.push_back(mesh_->EndStep());
   undo_bytes_ += steps_.back().bytes();
   ++done_;
+  if (log_) log_(EditKind::kStroke, steps_.back());
 }
 
 base::Status SculptEditor::Stroke(const SurfacePoint& at, const Brush& brush, double offset_m) {
@@ -144,16 +146,57 @@ base::Status SculptEditor::Stroke(const SurfacePoint& at, const Brush& brush, do
   return base::Ok{};
 }
 
+// False: a step of a history that leads nowhere; it is taken back.
+bool SculptEditor::Apply(std::size_t step) {
+  mesh_->Apply(steps_[step]);
+  if (step >= restored_ || ProblemWithMesh().empty()) return true;
+  mesh_->Apply(steps_[step]);
+  return false;
+}
+
 bool SculptEditor::Undo() {
-  if (in_stroke() || done_ == 0) return false;
-  mesh_->Apply(steps_[--done_]);
+  if (in_stroke() || done_ == 0 || !Apply(done_ - 1)) return false;
+  --done_;
+  if (log_) log_(EditKind::kUndo, steps_[done_]);
   return true;
 }
 
 bool SculptEditor::Redo() {
-  if (in_stroke() || done_ == steps_.size()) return false;
-  mesh_->Apply(steps_[done_++]);
+  if (in_stroke() || done_ == steps_.size() || !Apply(done_)) return false;
+  ++done_;
+  if (log_) log_(EditKind::kRedo, steps_[done_ - 1]);
   return true;
+}
+
+std::string SculptEditor::ProblemWithMesh() const {
+  std::vector<const Page*> pages;
+  for (std::uint32_t page = 0; page < mesh_->page_count(); ++page) pages.push_back(&mesh_->GetPage(page));
+  return ProblemWithPages(pages.data(), mesh_->page_count(), limits_);
+}
+
+base::Status SculptEditor::Restore(EditHistory history) {
+  if (in_stroke() || !steps_.empty()) return Error{"sculpting: edits are restored before the first one"};
+  std::uint32_t pages = mesh_->page_count();
+  bool well_formed = history.done <= history.steps.size() && IsWellFormed(history.base, pages);
+  for (const UndoStep& step : history.steps) well_formed = well_formed && IsWellFormed(step, pages);
+  if (!well_formed) return Error{"sculpting: a kept edit names pages that there are not"};
+  std::vector<const Page*> before;
+  for (std::uint32_t page = 0; page < mesh_->page_count(); ++page) before.push_back(&mesh_->GetPage(page));
+  limits_ = LimitsOf(before.data(), mesh_->page_count());
+  const auto apply = [&] {
+    mesh_->Apply(history.base);
+    for (std::size_t i = 0; i < history.done; ++i) mesh_->Apply(history.steps[i]);
+  };
+  apply();
+  if (const std::string problem = ProblemWithMesh(); !problem.empty()) {
+    apply();  // exclusive-or: in any order it is its own inverse
+    return Error{"sculpting: the kept edits do not lead to a surface: " + problem};
+  }
+  steps_ = std::move(history.steps);
+  done_ = history.done;
+  restored_ = steps_.size();
+  for (const UndoStep& step : steps_) undo_bytes_ += step.bytes();
+  return base::Ok{};
 }
 
 // The newest generation's tree finds the place; what was edited since is near it.
@@ -166,11 +209,11 @@ SurfacePoint SculptEditor::Locate(const Vec3& p, double reach_m) const {
   return {triangle, ClosestOnTriangle(mesh_->TriangleCorners(triangle), p).point};
 }
 
-Mesh SculptEditor::Snapshot() const {
+Mesh SnapshotOf(const PageView& pages, std::uint32_t page_count) {
   Mesh mesh;
   IndexMap vertex, triangle;
-  for (std::uint32_t page = 0; page < mesh_->page_count(); ++page) {
-    const PageContent& content = mesh_->GetPage(page).content;
+  for (std::uint32_t page = 0; page < page_count; ++page) {
+    const PageContent& content = pages.GetPage(page).content;
     for (std::uint32_t slot = 0; slot < kPageVertices; ++slot) {
       if (!UsesVertex(content, slot)) continue;
       vertex.Set(IndexOf(page, slot), static_cast<std::uint32_t>(mesh.vertices.size()));

@@ -2,8 +2,10 @@
 // never the tick. docs/theory/sculpting.md.
 #pragma once
 
+#include <functional>
 #include <string>
 
+#include "service/haptics/sculpt/mesh/check_manifold.h"
 #include "service/haptics/sculpt/mesh/remesh.h"
 #include "service/haptics/sculpt/stroke.h"
 
@@ -21,6 +23,20 @@ struct StrokeReport {
   std::size_t held_back = 0;  // times a vertex was kept from turning a triangle over
   RemeshCounts remesh;
 };
+
+// A finished edit, and what it changed.
+enum class EditKind : std::uint8_t { kStroke, kUndo, kRedo };
+using EditLog = std::function<void(EditKind kind, const UndoStep& step)>;
+
+// Edits of another editor of an equal mesh.
+struct EditHistory {
+  UndoStep base;                // cannot be undone
+  std::vector<UndoStep> steps;  // the first `done` are applied, the others can be redone
+  std::size_t done = 0;
+};
+
+// Pages as plain lists: neighbours and components filled, in the order of pages.
+Mesh SnapshotOf(const PageView& pages, std::uint32_t page_count);
 
 class SculptEditor {
  public:
@@ -55,6 +71,14 @@ class SculptEditor {
   std::size_t redo_steps() const noexcept { return steps_.size() - done_; }
   std::size_t undo_bytes() const noexcept { return undo_bytes_; }
 
+  // Is called with every edit from now on, on the editor's thread.
+  void SetLog(EditLog log) { log_ = std::move(log); }
+  // What the open stroke has changed so far; empty: none is open.
+  UndoStep OpenStep() const { return in_stroke() ? mesh_->StepSoFar() : UndoStep(); }
+  // Before the first edit. The history may come from a file: where it does not lead to a surface that every reader can
+  // use, it fails with a reason and changes nothing. Undo and Redo refuse steps that would.
+  base::Status Restore(EditHistory history);
+
   // Nearest point of the surface being edited within `reach_m` of `p`. Between edits exact; triangle kNoIndex: none.
   SurfacePoint Locate(const Vec3& p, double reach_m) const;
 
@@ -65,8 +89,8 @@ class SculptEditor {
   double detail_m() const noexcept { return options_.detail_m; }
   const SculptOptions& options() const noexcept { return options_; }
 
-  // The surface as plain lists: neighbours and components filled, in the order of pages; for saving.
-  Mesh Snapshot() const;
+  // The surface, for saving.
+  Mesh Snapshot() const { return SnapshotOf(mesh_->View(), mesh_->page_count()); }
 
  private:
   explicit SculptEditor(std::unique_ptr<PagedMesh> mesh) : mesh_(std::move(mesh)) {}
@@ -74,6 +98,8 @@ class SculptEditor {
   void AddPart(const SurfacePoint& at, const Brush& brush, double long_m, Vec3& normal, double& mean_edge_m);
   void Step(double offset_m);
   void CloseStep();
+  bool Apply(std::size_t step);
+  std::string ProblemWithMesh() const;
 
   std::unique_ptr<PagedMesh> mesh_;
   SculptOptions options_;
@@ -86,6 +112,9 @@ class SculptEditor {
   std::vector<UndoStep> steps_;  // the first done_ are applied
   std::size_t done_ = 0;
   std::size_t undo_bytes_ = 0;
+  std::size_t restored_ = 0;  // so many of the first steps come from a history
+  PageLimits limits_;         // of the mesh as it was restored
+  EditLog log_;
 };
 
 }  // namespace omni::haptics::sculpt

@@ -1,5 +1,7 @@
 #include "service/haptics/sculpt/mesh/check_manifold.h"
 
+#include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "service/haptics/geometry/topology.h"
@@ -98,7 +100,72 @@ class Checker {
   ManifoldReport report_;
 };
 
+// Slots that are in use, counted.
+template <std::size_t N>
+std::uint32_t CountUsed(const std::uint64_t (&used)[N]) {
+  int count = 0;
+  for (const std::uint64_t word : used) count += std::popcount(word);
+  return static_cast<std::uint32_t>(count);
+}
+
+bool KeepsLimits(const PageContent& content, const PageLimits& limits) {
+  for (std::uint32_t slot = 0; slot < kPageTriangles; ++slot) {
+    if (!UsesTriangle(content, slot)) continue;
+    const Triangle& t = content.triangle[slot];
+    if (t.object != limits.object || t.component >= limits.components ||
+        !std::binary_search(limits.materials.begin(), limits.materials.end(), t.material)) {
+      return false;
+    }
+  }
+  for (std::uint32_t slot = 0; slot < kPageVertices; ++slot) {
+    if (UsesVertex(content, slot) && !IsWithin(content.vertex[slot], kMaxCoordinate_m)) return false;
+  }
+  // Bits beyond the last vertex count too.
+  std::uint32_t vertices = 0;
+  for (std::uint32_t slot = 0; slot < kPageVertices; ++slot) vertices += UsesVertex(content, slot) ? 1 : 0;
+  return vertices == content.vertex_count && vertices == CountUsed(content.vertex_used);
+}
+
+// The editor follows spill links until it finds room.
+bool SpillsEnd(const Page* const* pages, std::uint32_t page_count) {
+  std::vector<std::uint32_t> seen_from(page_count, kNoIndex);
+  for (std::uint32_t start = 0; start < page_count; ++start) {
+    for (std::uint32_t page = start; page != kNoIndex; page = pages[page]->content.spill) {
+      if (page >= page_count || seen_from[page] == start) return false;
+      if (seen_from[page] != kNoIndex) break;
+      seen_from[page] = start;
+    }
+  }
+  return true;
+}
+
 }  // namespace
+
+PageLimits LimitsOf(const Page* const* pages, std::uint32_t page_count) {
+  PageLimits limits;
+  for (std::uint32_t page = 0; page < page_count; ++page) {
+    for (std::uint32_t slot = 0; slot < kPageTriangles; ++slot) {
+      if (!UsesTriangle(pages[page]->content, slot)) continue;
+      const Triangle& t = pages[page]->content.triangle[slot];
+      limits.object = t.object;
+      limits.components = std::max(limits.components, t.component + 1);
+      limits.materials.push_back(t.material);
+    }
+  }
+  std::sort(limits.materials.begin(), limits.materials.end());
+  limits.materials.erase(std::unique(limits.materials.begin(), limits.materials.end()), limits.materials.end());
+  return limits;
+}
+
+std::string ProblemWithPages(const Page* const* pages, std::uint32_t page_count, const PageLimits& limits) {
+  const ManifoldReport manifold = CheckManifold(pages, page_count);
+  if (!manifold.ok()) return manifold.problem;
+  if (manifold.triangles == 0) return "no triangles";
+  for (std::uint32_t page = 0; page < page_count; ++page) {
+    if (!KeepsLimits(pages[page]->content, limits)) return "a value out of range in page " + std::to_string(page);
+  }
+  return SpillsEnd(pages, page_count) ? std::string() : "links between pages in a circle";
+}
 
 ManifoldReport CheckManifold(const Page* const* pages, std::uint32_t page_count) {
   return Checker(pages, page_count).Run();

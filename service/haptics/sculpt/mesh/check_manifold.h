@@ -1,5 +1,5 @@
 // Is a paged mesh what every reader relies on: closed, oriented, 2-manifold, positive areas? Checks everything; for
-// tests and benchmarks.
+// pages that come from a file, tests and benchmarks.
 #pragma once
 
 #include <string>
@@ -19,7 +19,18 @@ struct ManifoldReport {
 
 ManifoldReport CheckManifold(const Page* const* pages, std::uint32_t page_count);
 
-// The same of whatever has View() or is a view, and page_count().
+// What triangles may say besides where they are; of the mesh that is sculpted.
+struct PageLimits {
+  std::uint32_t object = 0;
+  std::uint32_t components = 0;
+  std::vector<std::uint16_t> materials;  // sorted, each once
+};
+PageLimits LimitsOf(const Page* const* pages, std::uint32_t page_count);
+
+// Why these pages, whatever their bytes are, must not be used by the editor or the tick; empty: they may.
+std::string ProblemWithPages(const Page* const* pages, std::uint32_t page_count, const PageLimits& limits);
+
+// The same as CheckManifold of whatever has View() or is a view, and page_count().
 template <class M>
 ManifoldReport CheckManifold(const M& mesh) {
   std::vector<const Page*> pages;

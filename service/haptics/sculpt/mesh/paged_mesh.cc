@@ -7,42 +7,6 @@
 namespace omni::haptics::sculpt {
 namespace {
 
-constexpr std::size_t kContentWords = sizeof(PageContent) / sizeof(std::uint64_t);
-static_assert(kContentWords < 0x10000);
-
-std::uint64_t WordOf(const PageContent& content, std::size_t word) noexcept {
-  std::uint64_t value = 0;
-  std::memcpy(&value, reinterpret_cast<const std::byte*>(&content) + sizeof(value) * word, sizeof(value));
-  return value;
-}
-
-void FlipWord(PageContent& content, std::size_t word, std::uint64_t change) noexcept {
-  const std::uint64_t value = WordOf(content, word) ^ change;
-  std::memcpy(reinterpret_cast<std::byte*>(&content) + sizeof(value) * word, &value, sizeof(value));
-}
-
-// Runs of words in which two states of a page differ.
-void AppendRuns(std::uint32_t page, const PageContent& before, const PageContent& after, UndoStep& step) {
-  const std::uint64_t header = std::uint64_t{page} << 32;
-  bool any = false;
-  for (std::size_t word = 0; word < kContentWords;) {
-    if (WordOf(before, word) == WordOf(after, word)) {
-      ++word;
-      continue;
-    }
-    const std::size_t at = step.words.size(), first = word;
-    step.words.push_back(0);
-    for (; word < kContentWords; ++word) {
-      const std::uint64_t change = WordOf(before, word) ^ WordOf(after, word);
-      if (change == 0) break;
-      step.words.push_back(change);
-    }
-    step.words[at] = header | std::uint64_t{first} << 16 | (word - first);
-    any = true;
-  }
-  if (!any) step.words.push_back(header);
-}
-
 template <std::size_t N>
 std::uint32_t TakeSlot(std::uint64_t (&used)[N]) noexcept {
   std::size_t word = 0;
@@ -153,11 +117,18 @@ void PagedMesh::RemoveVertex(std::uint32_t v) {
 
 void PagedMesh::BeginStep() { recording_ = true; }
 
-UndoStep PagedMesh::EndStep() {
+UndoStep PagedMesh::StepSoFar() const {
   UndoStep step;
   for (const std::uint32_t page : touched_) {
+    AppendRuns(page, slots_[page].before->content, pages_[page]->content, step);
+  }
+  return step;
+}
+
+UndoStep PagedMesh::EndStep() {
+  UndoStep step = StepSoFar();
+  for (const std::uint32_t page : touched_) {
     Slot& slot = slots_[page];
-    AppendRuns(page, slot.before->content, pages_[page]->content, step);
     if (slot.before_seen) {
       pool_.Retire(slot.before, publisher_.generation() + 1);
     } else {
@@ -178,14 +149,14 @@ void PagedMesh::CountAgain(std::uint32_t page, int sign) noexcept {
 
 void PagedMesh::Apply(const UndoStep& step) {
   for (std::size_t i = 0; i < step.words.size();) {
-    const std::uint64_t header = step.words[i++];
-    const auto page = static_cast<std::uint32_t>(header >> 32);
-    const std::size_t first = header >> 16 & 0xFFFF, count = header & 0xFFFF;
+    const StepRun run = RunOf(step.words[i++]);
+    const std::uint32_t page = run.page;
+    while (page >= pages_.size()) empty_.push_back(NewPage(page_count() - 1));  // those that were skipped stay empty
     PageContent& content = Write(page);
     CountAgain(page, -1);
-    for (std::size_t k = 0; k < count; ++k) FlipWord(content, first + k, step.words[i++]);
+    for (std::size_t k = 0; k < run.count; ++k) FlipWord(content, run.first + k, step.words[i++]);
     CountAgain(page, 1);
-    if (count > 0) slots_[page].keep_order = false;
+    if (run.count > 0) slots_[page].keep_order = false;
     if (content.triangle_count == 0 && content.vertex_count == 0) empty_.push_back(page);
   }
 }

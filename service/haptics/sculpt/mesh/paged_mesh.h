@@ -9,6 +9,7 @@
 
 #include "service/base/result.h"
 #include "service/haptics/geometry/mesh.h"
+#include "service/haptics/sculpt/mesh/edit_step.h"
 #include "service/haptics/sculpt/mesh/page.h"
 #include "service/haptics/sculpt/publisher.h"
 
@@ -52,14 +53,6 @@ class PagePool {
   std::vector<std::unique_ptr<Page[]>> chunks_;
   std::vector<Page*> free_;
   std::deque<Retired> retired_;
-};
-
-// What turns the mesh before a stroke into the mesh after it, and back: runs of 64-bit words, each the old exclusive-or
-// the new. A run is one header word (page << 32 | first word << 16 | words) and its words; a header without words names
-// a page whose triangles have moved with vertices of other pages.
-struct UndoStep {
-  std::vector<std::uint64_t> words;
-  std::size_t bytes() const noexcept { return words.size() * sizeof(std::uint64_t); }
 };
 
 struct PublishReport {
@@ -112,7 +105,10 @@ class PagedMesh {
   void BeginStep();
   UndoStep EndStep();
   bool recording() const noexcept { return recording_; }
-  // Undoes or redoes: the step's words turn either state into the other. Precondition: !recording().
+  // What was written since BeginStep.
+  UndoStep StepSoFar() const;
+  // Undoes or redoes: the step's words turn either state into the other. Adds the pages it names. Precondition:
+  // !recording(), IsWellFormed.
   void Apply(const UndoStep& step);
 
   // Fits the trees and makes the present state the newest generation.
