@@ -34,22 +34,8 @@ struct FileHeader {
 };
 static_assert(sizeof(FileHeader) == 64);
 
-// Against damage, not against malice: the folder is ours alone, and readers check a block's content before they use it.
-// FNV-1a over 64-bit words.
-std::uint64_t Checksum(std::span<const std::byte> block) {
-  std::uint64_t sum = 0xcbf29ce484222325ULL;
-  std::size_t i = 0;
-  for (; i + 8 <= block.size(); i += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, &block[i], 8);
-    sum = (sum ^ word) * 0x100000001b3ULL ^ (sum >> 29);
-  }
-  for (; i < block.size(); ++i) sum = (sum ^ static_cast<std::uint64_t>(block[i])) * 0x100000001b3ULL;
-  return sum;
-}
-
 FileHeader HeaderOf(const CacheKey& key, std::span<const std::byte> block) {
-  FileHeader header{kCacheMagic, kCacheFormat, block.size(), Checksum(block), {}, key.digest};
+  FileHeader header{kCacheMagic, kCacheFormat, block.size(), ChecksumOfBlock(block), {}, key.digest};
   key.kind.copy(header.kind.data(), header.kind.size());
   return header;
 }
@@ -112,9 +98,22 @@ bool Older(const Entry& a, const Entry& b) {
   return a.used.tv_nsec != b.used.tv_nsec ? a.used.tv_nsec < b.used.tv_nsec : a.name < b.name;
 }
 
-// Why a folder cannot be the store; empty: it can.
-std::string ProblemOf(const std::string& folder) {
-  if (folder.empty()) return "no home folder for the cache";
+}  // namespace
+
+std::uint64_t ChecksumOfBlock(std::span<const std::byte> block) {
+  std::uint64_t sum = 0xcbf29ce484222325ULL;
+  std::size_t i = 0;
+  for (; i + 8 <= block.size(); i += 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, &block[i], 8);
+    sum = (sum ^ word) * 0x100000001b3ULL ^ (sum >> 29);
+  }
+  for (; i < block.size(); ++i) sum = (sum ^ static_cast<std::uint64_t>(block[i])) * 0x100000001b3ULL;
+  return sum;
+}
+
+std::string ProblemOfOwnFolder(const std::string& folder) {
+  if (folder.empty()) return "no home folder";
   std::error_code error;
   std::filesystem::create_directories(std::filesystem::path(folder).parent_path(), error);
   if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
@@ -128,10 +127,8 @@ std::string ProblemOf(const std::string& folder) {
   return {};
 }
 
-}  // namespace
-
 CacheStore::CacheStore(std::string folder, std::uint64_t max_bytes)
-    : folder_(std::move(folder)), max_bytes_(max_bytes), problem_(ProblemOf(folder_)) {}
+    : folder_(std::move(folder)), max_bytes_(max_bytes), problem_(ProblemOfOwnFolder(folder_)) {}
 
 std::string CacheStore::PathOf(const CacheKey& key) const {
   return folder_ + "/" + key.kind + "-" + ToHex(key.digest) + kSuffix;
@@ -159,7 +156,7 @@ std::optional<CacheBlock> CacheStore::Get(const CacheKey& key, std::string& dama
   } else {
     block.resize(static_cast<std::size_t>(header.bytes));
     if (!ReadAll(file.get(), block.data(), block.size())) damage = "cannot be read";
-    if (damage.empty() && Checksum(block) != header.checksum) damage = "has a wrong checksum";
+    if (damage.empty() && ChecksumOfBlock(block) != header.checksum) damage = "has a wrong checksum";
   }
   if (!damage.empty()) {
     Remove(key);

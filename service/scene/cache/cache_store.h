@@ -60,6 +60,14 @@ class CacheStore {
   std::string problem_;
 };
 
+// Against damage, not against malice: the folders are ours alone, and readers check what they read before they use it.
+// FNV-1a over 64-bit words.
+std::uint64_t ChecksumOfBlock(std::span<const std::byte> block);
+
+// Why a folder cannot be one of ours; empty: it can. Created with mode 0700 where it is missing; refused if another
+// user owns it or others can write it.
+std::string ProblemOfOwnFolder(const std::string& folder);
+
 // Names the code that made a block: a hash over the sources of service/haptics, service/scene and service/base,
 // computed by the build (scripts/cmake/build_stamp.cmake). Other code, other stamp, other cache files.
 extern const char* const kBuildStamp;
