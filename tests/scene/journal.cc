@@ -15,7 +15,7 @@
 
 #include "service/haptics/live/make_live.h"
 #include "service/scene/glb_save.h"
-#include "service/scene/journal/restore_journals.h"
+#include "service/scene/journal/sculpt_journal.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/process/temp_folder.h"
 

@@ -1,4 +1,4 @@
-#include "service/scene/journal/restore_journals.h"
+#include "service/scene/journal/sculpt_journal.h"
 
 #include <utility>
 
@@ -52,6 +52,7 @@ std::vector<std::shared_ptr<SculptJournal>> RestoreJournals(const haptics::Scene
                                                             std::vector<JournalNote>& notes) {
   std::vector<std::shared_ptr<SculptJournal>> journals;
   if (place.folder.empty() || scene.live() == nullptr) return journals;
+  const auto until = std::chrono::steady_clock::now() + place.patience;  // for all of them
   for (std::uint32_t n = 0; n < scene.live()->sculpt_session_count(); ++n) {
     const std::uint32_t index = scene.live()->object_at(n);
     SculptEditor& editor = scene.live()->sculpt_session_at(n).editor();
@@ -60,7 +61,7 @@ std::vector<std::shared_ptr<SculptJournal>> RestoreJournals(const haptics::Scene
     const std::string who = place.file + ": " + head.object + ": ";
     journals.push_back(std::make_shared<SculptJournal>(place.folder, std::move(head), RestOf(editor), place.limits));
     SculptJournal& journal = *journals.back();
-    const std::optional<JournalContent> content = journal.Find(place.patience, notes);
+    const std::optional<JournalContent> content = journal.Find(until, notes);
     if (!content) continue;
     if (const base::Status restored = editor.Restore(content->Closed()); !restored.ok()) {
       journal.PutAside("damaged", restored.error(), notes);

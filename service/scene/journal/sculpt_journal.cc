@@ -57,8 +57,8 @@ bool SculptJournal::Lock(const std::string& path, std::chrono::steady_clock::tim
   }
 }
 
-std::optional<JournalContent> SculptJournal::Find(std::chrono::milliseconds patience, std::vector<JournalNote>& notes) {
-  const auto until = std::chrono::steady_clock::now() + patience;
+std::optional<JournalContent> SculptJournal::Find(std::chrono::steady_clock::time_point until,
+                                                  std::vector<JournalNote>& notes) {
   for (int slot = 1; slot <= kMaxSlots; ++slot) {
     bool busy = false;
     if (!Lock(PathOf(slot), until, busy)) {
@@ -175,6 +175,7 @@ void SculptJournal::Serialise(const Edit& edit) {
 }
 
 bool SculptJournal::Flush() {
+  if (closed_) return true;
   std::deque<Edit> taken;
   {
     const std::lock_guard lock(mutex_);
@@ -278,6 +279,9 @@ std::string SculptJournal::Shorten() {
   return {};
 }
 
-void SculptJournal::Close() { fd_.Reset(); }
+void SculptJournal::Close() {
+  fd_.Reset();
+  closed_ = true;
+}
 
 }  // namespace omni::scene

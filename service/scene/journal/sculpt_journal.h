@@ -5,12 +5,14 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "service/base/threads/realtime_threads.h"
 #include "service/base/unique_fd.h"
+#include "service/haptics/scene/scene.h"
 #include "service/scene/journal/journal_format.h"
 
 namespace omni::scene {
@@ -42,9 +44,9 @@ class SculptJournal {
   SculptJournal(const SculptJournal&) = delete;
   SculptJournal& operator=(const SculptJournal&) = delete;
 
-  // First, on a thread that may wait: what an earlier session left. A file that another session has locked for longer
-  // than `patience` is left alone; one of another surface, or that cannot be read, is put aside under another name.
-  std::optional<JournalContent> Find(std::chrono::milliseconds patience, std::vector<JournalNote>& notes);
+  // First, on a thread that may wait: what an earlier session left. A file that another session still has locked
+  // at `until` is left alone; one of another surface, or that cannot be read, is put aside under another name.
+  std::optional<JournalContent> Find(std::chrono::steady_clock::time_point until, std::vector<JournalNote>& notes);
   // Then: goes on behind it; or not, since it cannot be used.
   void Resume(const JournalContent& content);
   void PutAside(const std::string& mark, const std::string& why, std::vector<JournalNote>& notes);
@@ -86,9 +88,10 @@ class SculptJournal {
   std::string path_;
   std::uint64_t synced_bytes_ = 0, shortened_bytes_ = 0;  // of the file; when it was shortened last
   std::uint32_t number_ = 2;                              // of the next record
-  std::string unsynced_;                                  // whole records
-  std::uint64_t undoable_ = 0, redoable_ = 0;             // strokes of the file
-  std::uint64_t below_ = 0;                               // undone beyond those
+  bool closed_ = false;
+  std::string unsynced_;                       // whole records
+  std::uint64_t undoable_ = 0, redoable_ = 0;  // strokes of the file
+  std::uint64_t below_ = 0;                    // undone beyond those
 
   mutable base::PriorityMutex mutex_;
   std::deque<Edit> waiting_;
@@ -98,5 +101,20 @@ class SculptJournal {
   JournalState state_;
   std::deque<JournalNote> notes_;
 };
+
+// A scene's sculpted objects get their strokes again, and journals for those to come.
+
+struct JournalPlace {
+  std::string folder;                        // empty: no journals
+  std::string application;                   // each one has its own strokes
+  std::string file;                          // of the scene
+  std::chrono::milliseconds patience{1000};  // for a session that is just ending
+  JournalLimits limits;
+};
+
+// One per sculpt session of `scene`, in their order, which gets what its journal holds. Before the scene is in use.
+// Reads files and waits for locks.
+std::vector<std::shared_ptr<SculptJournal>> RestoreJournals(const haptics::Scene& scene, const JournalPlace& place,
+                                                            std::vector<JournalNote>& notes);
 
 }  // namespace omni::scene
