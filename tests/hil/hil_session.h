@@ -43,7 +43,8 @@ class HilSession {
     arguments.insert(arguments.end(), programs.begin(), programs.end());
     const std::int64_t began_ns = base::MonotonicNow_ns();
     auto started = test::ChildProcess::Start(
-        arguments, {"OMNI_SOCKET=" + folder_.Path("run/omnid.sock"), "XDG_CONFIG_HOME=" + folder_.Path("config")});
+        arguments, {"OMNI_SOCKET=" + folder_.Path("run/omnid.sock"), "XDG_CONFIG_HOME=" + folder_.Path("config"),
+                    "XDG_STATE_HOME=" + folder_.Path("state")});
     if (!started.ok()) {
       ADD_FAILURE() << started.error();
       return nullptr;

@@ -17,7 +17,7 @@ export class Program {
     program.folder = mkdtempSync(join(tmpdir(), 'omni-page-'));
     program.log = '';
     program.process = spawn(join(build, 'bin/omni'), [...words, '--no-open'], {
-      env: { ...process.env, XDG_CONFIG_HOME: program.folder, XDG_CACHE_HOME: join(build, 'tests/page/cache'), ...environment },
+      env: { ...process.env, XDG_CONFIG_HOME: program.folder, XDG_STATE_HOME: program.folder, XDG_CACHE_HOME: join(build, 'tests/page/cache'), ...environment },
       stdio: ['ignore', 'pipe', 'pipe'],
     });
     program.ended = new Promise((resolve) => program.process.once('exit', (code) => resolve(code)));
