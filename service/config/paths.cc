@@ -30,7 +30,12 @@ std::string InUserFolder(const std::string& name) {
   return folder.empty() ? folder : folder + "/" + name;
 }
 
-namespace fs = std::filesystem;
+// Of what programs keep themselves; empty: no home.
+std::string InStateFolder(const std::string& name) {
+  if (const std::string folder = AbsoluteVariable("XDG_STATE_HOME"); !folder.empty()) return folder + "/omni/" + name;
+  if (const std::string home = AbsoluteVariable("HOME"); !home.empty()) return home + "/.local/state/omni/" + name;
+  return {};
+}
 
 constexpr const char* kExtensions[] = {".glb", ".gltf"};
 
@@ -99,12 +104,9 @@ std::string UserMagnetsFile() { return InUserFolder("magnets.toml"); }
 
 std::string UserInputsFile() { return InUserFolder("inputs.toml"); }
 
-std::string UserStopFile() {
-  constexpr const char* kName = "/omni/emergency_stop.toml";
-  if (const std::string folder = AbsoluteVariable("XDG_STATE_HOME"); !folder.empty()) return folder + kName;
-  if (const std::string home = AbsoluteVariable("HOME"); !home.empty()) return home + "/.local/state" + kName;
-  return {};
-}
+std::string UserStopFile() { return InStateFolder("emergency_stop.toml"); }
+
+std::string UserSculptFolder() { return InStateFolder("sculpt"); }
 
 std::string CacheFolder() {
   if (const std::string folder = AbsoluteVariable("XDG_CACHE_HOME"); !folder.empty()) return folder + "/omni";

@@ -42,6 +42,9 @@ std::string UserInputsFile();
 // Not in $XDG_RUNTIME_DIR, which a logout empties.
 std::string UserStopFile();
 
+// Journals of sculpted strokes: $XDG_STATE_HOME/omni/sculpt, else below ~/.local/state; empty: no home.
+std::string UserSculptFolder();
+
 // What can be computed again: $XDG_CACHE_HOME/omni, else ~/.cache/omni; empty: no home.
 std::string CacheFolder();
 

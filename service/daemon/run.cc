@@ -113,6 +113,7 @@ int RunChecked(RunOptions options, std::optional<ipc::InheritedSocket> inherited
        .cache_folder = config::CacheFolder(),
        .hand = hand,
        .alignment_path = options.alignment_path.empty() ? config::UserAlignmentFile() : options.alignment_path,
+       .journal_folder = config::UserSculptFolder(),
        .stop_path = options.stop_path.empty() ? config::UserStopFile() : options.stop_path,
        .build_way = builder,
        .builds_refused = startable.ok() ? std::string() : startable.error(),

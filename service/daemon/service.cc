@@ -44,11 +44,13 @@ Service::Service(ServiceOptions options)
       scenes_(
           {.hull_radius_m = options_.hull_radius_m,
            .cache_folder = options_.cache_folder,
+           .journal_folder = options_.journal_folder,
            .soft_tets = options_.soft_tets,
            .way = options_.build_way,
            .refused = options_.builds_refused,
            .limits = {.builders = BuildersOfComputer()}},
           [this](ipc::ClientId id, int level, const std::string& text) { Problem(id, level, text); },
+          [this](ipc::ClientId id, int level, const std::string& text) { Say(id, level, text); },
           [this](ipc::ClientId id, const std::string& message) {
             return server_ != nullptr && server_->SendBytes(id, message);
           }),

@@ -40,6 +40,7 @@ struct ServiceOptions {
   std::uint32_t soft_tets = scene::kSoftTets;
   std::string hand = "auto";   // "left", "right": of applications whose file names none
   std::string alignment_path;  // where bases stand in headsets' spaces; empty: nothing is stored
+  std::string journal_folder;  // of sculpted strokes; empty: they are not kept
   std::string stop_path;       // latch of an emergency stop; empty: none is kept
   std::shared_ptr<const BuildWay> build_way = std::make_shared<const BuildHere>();
   std::string builds_refused;              // why no scene is built; empty: they are

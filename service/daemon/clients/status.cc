@@ -135,6 +135,14 @@ std::uint32_t SculptedOf(const BuiltScene* built) {
   return built == nullptr || built->scene->live() == nullptr ? 0 : built->scene->live()->sculpt_session_count();
 }
 
+// What became of the strokes of earlier sessions, for people.
+json NotesOf(const BuiltScene* built) {
+  json notes = json::array();
+  if (built == nullptr) return notes;
+  for (const scene::JournalNote& note : built->notes) notes.push_back(note.text);
+  return notes;
+}
+
 // The one that the tick should have.
 json Scene(const StatusInput& input) {
   const BuiltScene* felt = input.scenes.felt();
@@ -144,7 +152,8 @@ json Scene(const StatusInput& input) {
           {"load", SceneLoad(input.clients.Find(loader), input.scenes)},
           {"triangles", felt == nullptr ? 0 : TrianglesOf(*felt->scene)},
           {"soft_bodies", SoftBodies(input.scenes.ProgressOf(felt))},
-          {"sculpted", SculptedOf(felt)}};
+          {"sculpted", SculptedOf(felt)},
+          {"strokes", NotesOf(felt)}};
 }
 
 // What scenes take of their limits, and which are being built or wait.
@@ -296,6 +305,11 @@ std::string WriteStatus(const StatusInput& input) {
   };
   report("", input.stop.Problem());
   report("alignment: ", input.base_poses.problem());
+  for (const auto& [id, client] : input.clients.all()) {
+    const std::shared_ptr<const BuiltScene> scene = input.scenes.Of(id);
+    if (scene == nullptr) continue;
+    for (const auto& journal : scene->journals) report("sculpting: ", journal->state().problem);
+  }
   if (input.followed_base.headset() && !input.followed_base.seen()) {
     report("base: ", "no program reports where it is carried; run `omni follow`, or `omni follow --off` if it stands");
   }

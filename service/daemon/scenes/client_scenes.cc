@@ -11,9 +11,10 @@ namespace omni::daemon {
 
 std::uint32_t TrianglesOf(const haptics::Scene& scene) { return scene.empty() ? 0 : scene.header().triangle_count; }
 
-ClientScenes::ClientScenes(const BuilderOptions& options, Problem problem, AppScenes::Send send)
+ClientScenes::ClientScenes(const BuilderOptions& options, Problem problem, Problem say, AppScenes::Send send)
     : hull_radius_m_(options.hull_radius_m),
       problem_(std::move(problem)),
+      say_(std::move(say)),
       builder_(options),
       documents_(builder_, options.hull_radius_m, handed_, std::move(send)) {}
 
@@ -41,6 +42,8 @@ void ClientScenes::HandleResults() {
   while (const std::optional<SculptProblem> problem = sculpt_.PopProblem()) {
     problem_(problem->client, 1, problem->text);
   }
+  while (const std::optional<SculptProblem> note = sculpt_.PopJournalNote())
+    say_(note->client, note->level, note->text);
 }
 
 void ClientScenes::TakeFileScene(BuiltScene built) {
@@ -56,7 +59,8 @@ void ClientScenes::TakeFileScene(BuiltScene built) {
     spdlog::info("client {}: scene {} ({} triangles, {} in {:.1f} ms)", id, built.file, TrianglesOf(*built.scene),
                  built.load.cached ? "from the cache" : "built", built.load.load_ms);
   }
-  sculpt_.Add(id, built.file, built.scene);
+  for (const scene::JournalNote& note : built.notes) problem_(id, note.level, note.text);
+  sculpt_.Add(id, built.file, built.scene, built.journals);
   handed_.Retire(std::exchange(files_[id], std::make_shared<const BuiltScene>(std::move(built))));
 }
 

@@ -25,10 +25,13 @@ class ClientScenes {
   // For people: 0 a remark, 1 a warning, 2 an error. `id`: the client that gets it, too; 0: none.
   using Problem = std::function<void(ipc::ClientId id, int level, const std::string& text)>;
 
-  ClientScenes(const BuilderOptions& options, Problem problem, AppScenes::Send send);
+  // `say`: what may be over soon; the status has it while it lasts.
+  ClientScenes(const BuilderOptions& options, Problem problem, Problem say, AppScenes::Send send);
 
-  // Builds the scene of the client's file.
-  void Request(ipc::ClientId id, const config::AppEntry& app) { builder_.Request(id, app); }
+  // Builds the scene of the client's file. `application`: its own name.
+  void Request(ipc::ClientId id, const config::AppEntry& app, const std::string& application) {
+    builder_.Request(id, app, application);
+  }
   // The client no longer wants the scene of its file; Remove: is gone.
   void Drop(ipc::ClientId id);
   void Remove(ipc::ClientId id);
@@ -65,7 +68,7 @@ class ClientScenes {
   void ReportSoftBody(const SoftOutcome& soft);
 
   const double hull_radius_m_;
-  const Problem problem_;
+  const Problem problem_, say_;
   SceneBuilder builder_;
   SculptThread sculpt_;
   HandOver<BuiltScene> handed_;

@@ -355,6 +355,11 @@ class SceneBuilder::Work : public std::enable_shared_from_this<Work> {
     built.load.rows = {};  // for people; up to a hundred thousand of them
     plan = haptics::MakeLive(made, RoomFor(number));
     for (const std::string& line : plan.lines) built.warnings.push_back(built.file + ": " + line);
+    if (!task.job.application.empty() && !task.cancel.is_set()) {
+      built.journals = scene::RestoreJournals(
+          made, {.folder = options_.journal_folder, .application = task.job.application, .file = built.file},
+          built.notes);
+    }
     return true;
   }
 
@@ -485,8 +490,12 @@ SceneBuilder::~SceneBuilder() {
   dispatcher_.join();
 }
 
-void SceneBuilder::Request(std::uint64_t client, const config::AppEntry& app) {
-  Request({.client = client, .file = app.scene, .options = LoadOptionsOf(app, hull_radius_m_), .document = nullptr});
+void SceneBuilder::Request(std::uint64_t client, const config::AppEntry& app, const std::string& application) {
+  Request({.client = client,
+           .file = app.scene,
+           .options = LoadOptionsOf(app, hull_radius_m_),
+           .document = nullptr,
+           .application = application});
 }
 void SceneBuilder::Request(SceneJob job) { work_->Request(std::move(job)); }
 void SceneBuilder::Cancel(std::uint64_t client) { work_->Cancel(client); }

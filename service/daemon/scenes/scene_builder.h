@@ -16,6 +16,7 @@
 #include "service/daemon/scenes/build_way.h"
 #include "service/daemon/scenes/memory_budget.h"
 #include "service/haptics/scene/scene.h"
+#include "service/scene/journal/sculpt_journal.h"
 #include "service/scene/load_scene.h"
 #include "service/scene/scene_file.h"
 
@@ -30,6 +31,8 @@ struct BuiltScene {
   std::shared_ptr<const haptics::Scene> scene;
   std::string error;
   std::vector<std::string> warnings;
+  std::vector<std::shared_ptr<scene::SculptJournal>> journals;  // per sculpt session; empty: none are kept
+  std::vector<scene::JournalNote> notes;                        // what they have restored, or why not
   scene::LoadReport load;
   haptics::BuildReport report;
 };
@@ -59,6 +62,7 @@ struct SceneJob {
   scene::LoadOptions options;                      // `memory` and `beside` are set by the builder
   std::shared_ptr<const base::UniqueFd> document;  // instead of a file; null: none
   std::uint64_t payer = 0;                         // whose memory its scene is; 0: `client`
+  std::string application;                         // whose strokes are kept; empty: they are not
 };
 
 // What waits for memory, for its client.
@@ -82,7 +86,8 @@ struct BuilderStatus {
 
 struct BuilderOptions {
   double hull_radius_m = 0.0375;
-  std::string cache_folder;  // of built scenes (scene/cache/cache_store.h); empty: no cache
+  std::string cache_folder;    // of built scenes (scene/cache/cache_store.h); empty: no cache
+  std::string journal_folder;  // of strokes (scene/journal); empty: they are not kept
   // Of a soft body, at most [100, 400000]; more take longer to compute.
   std::uint32_t soft_tets = scene::kSoftTets;
   std::shared_ptr<const BuildWay> way = std::make_shared<const BuildHere>();
@@ -104,7 +109,7 @@ class SceneBuilder {
   SceneBuilder& operator=(const SceneBuilder&) = delete;
 
   // Queues a job; ends the same client's one before, and its soft bodies.
-  void Request(std::uint64_t client, const config::AppEntry& app);
+  void Request(std::uint64_t client, const config::AppEntry& app, const std::string& application = {});
   void Request(SceneJob job);
   // Ends the client's job; there will be no result of it.
   void Cancel(std::uint64_t client);

@@ -26,6 +26,18 @@ SculptAnswer AnswerTo(const SculptRequest& request) {
   return answer;
 }
 
+scene::RecordKind KindOf(haptics::sculpt::EditKind kind) {
+  switch (kind) {
+    case haptics::sculpt::EditKind::kUndo:
+      return scene::RecordKind::kUndo;
+    case haptics::sculpt::EditKind::kRedo:
+      return scene::RecordKind::kRedo;
+    case haptics::sculpt::EditKind::kStroke:
+      break;
+  }
+  return scene::RecordKind::kStroke;
+}
+
 constexpr const char* kOpenStroke = "a stroke is open; lift the pen first";
 
 void WriteFile(const haptics::SceneInput& saved, SculptAnswer& answer) {
@@ -50,6 +62,13 @@ void WriteFile(const haptics::SceneInput& saved, SculptAnswer& answer) {
 SculptThread::~SculptThread() {
   {
     const std::lock_guard lock(mutex_);
+    for (Sculpted& sculpted : scenes_) {
+      // The tick has ended before: an open stroke ends as it is.
+      for (std::size_t n = 0; n < sculpted.benches.size() && sculpted.read && !sculpted.broken; ++n) {
+        sculpted.sculpt_session(n).SetReader(false);
+      }
+      CloseJournals(sculpted);
+    }
     scenes_.clear();
   }
   wake_.notify_one();
@@ -57,13 +76,24 @@ SculptThread::~SculptThread() {
 }
 
 void SculptThread::Add(std::uint64_t client, const std::string& file,
-                       const std::shared_ptr<const haptics::Scene>& scene) {
+                       const std::shared_ptr<const haptics::Scene>& scene,
+                       const std::vector<JournalWriter::Journal>& journals) {
   if (!HasSculptSession(*scene)) return;
   std::thread ended;
   {
     const std::lock_guard lock(mutex_);
     scenes_.push_back({.client = client, .file = file, .scene = scene, .benches = {}});
-    scenes_.back().benches.resize(scene->live()->sculpt_session_count());
+    Sculpted& sculpted = scenes_.back();
+    sculpted.benches.resize(scene->live()->sculpt_session_count());
+    for (std::size_t n = 0; n < std::min(journals.size(), sculpted.benches.size()); ++n) {
+      sculpted.benches[n].journal = journals[n];
+      sculpted.sculpt_session(n).editor().SetLog(
+          [this, journal = journals[n]](haptics::sculpt::EditKind kind, const haptics::sculpt::UndoStep& step) {
+            journal->Append(KindOf(kind), step);
+            writer_.Write(journal);
+          });
+      writer_.Write(journals[n]);
+    }
     if (std::exchange(ended_, false)) std::swap(ended, thread_);
     if (!thread_.joinable()) thread_ = std::thread([this] { Run(); });
   }
@@ -105,6 +135,7 @@ void SculptThread::Remove(const haptics::Scene& scene) {
   if (!HasSculptSession(scene)) return;
   {
     const std::lock_guard lock(mutex_);
+    if (Sculpted* sculpted = Find(scene)) CloseJournals(*sculpted);
     std::erase_if(scenes_, [&](const Sculpted& sculpted) { return sculpted.scene.get() == &scene; });
   }
   wake_.notify_one();
@@ -148,6 +179,25 @@ std::optional<SculptProblem> SculptThread::PopProblem() {
   return problem;
 }
 
+std::optional<SculptProblem> SculptThread::PopJournalNote() {
+  const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
+  if (!lock.owns_lock()) return std::nullopt;
+  for (const Sculpted& sculpted : scenes_) {
+    for (const Bench& bench : sculpted.benches) {
+      std::optional<scene::JournalNote> note = bench.journal == nullptr ? std::nullopt : bench.journal->PopNote();
+      if (note) return SculptProblem{sculpted.client, std::move(note->text), note->level};
+    }
+  }
+  return std::nullopt;
+}
+
+void SculptThread::ConfirmSaved(const SculptAnswer& answer) {
+  for (const auto& [journal, edits] : answer.saved) {
+    journal->MarkSaved(edits);
+    writer_.Write(journal);
+  }
+}
+
 bool SculptThread::running() const {
   const std::lock_guard lock(mutex_);
   return thread_.joinable() && !ended_;
@@ -183,12 +233,37 @@ void SculptThread::Poll(Sculpted& sculpted) {
     try {
       const haptics::sculpt::ServeReport served = sculpted.sculpt_session(n).Poll();
       if (served.ended > 0) sculpted.benches[n].edited = ++edits_;
+      KeepOpenStroke(sculpted, n, served);
       if (!served.problem.empty()) Report(sculpted, n, served.problem);
     } catch (
         const std::exception& caught) {  // out of memory: the tick's surface stays, the one in progress may be torn
       sculpted.broken = true;
       Report(sculpted, n, std::string("cannot be sculpted any more (") + caught.what() + "); restart the application");
     }
+  }
+}
+
+void SculptThread::KeepOpenStroke(Sculpted& sculpted, std::size_t n, const haptics::sculpt::ServeReport& served) {
+  Bench& bench = sculpted.benches[n];
+  if (served.messages > 0) bench.moved = true;
+  if (bench.journal == nullptr || !bench.moved) return;
+  const Clock::time_point now = Clock::now();
+  if (served.begun > 0) bench.kept = now;
+  if (now - bench.kept < kKeepOpenEvery) return;
+  bench.kept = now;
+  bench.moved = false;
+  haptics::sculpt::SculptEditor& editor = sculpted.sculpt_session(n).editor();
+  if (!editor.in_stroke()) return;
+  bench.journal->Append(scene::RecordKind::kOpen, editor.OpenStep());
+  writer_.Write(bench.journal);
+}
+
+void SculptThread::CloseJournals(Sculpted& sculpted) {
+  for (std::size_t n = 0; n < sculpted.benches.size(); ++n) {
+    JournalWriter::Journal journal = std::move(sculpted.benches[n].journal);
+    if (journal == nullptr) continue;
+    sculpted.sculpt_session(n).editor().SetLog({});
+    writer_.Close(journal);
   }
 }
 
@@ -229,6 +304,9 @@ void SculptThread::Execute(const Work& work, std::unique_lock<std::mutex>& lock)
 // The surface is copied under the lock, written without it: the tick's strokes go on meanwhile.
 void SculptThread::Save(const Sculpted& sculpted, std::unique_lock<std::mutex>& lock, SculptAnswer& answer) {
   const haptics::SceneInput saved = haptics::sculpt::SculptedScene(*sculpted.scene, *sculpted.scene->live());
+  for (const Bench& bench : sculpted.benches) {
+    if (bench.journal != nullptr) answer.saved.emplace_back(bench.journal, bench.journal->edits());
+  }
   lock.unlock();
   WriteFile(saved, answer);
   lock.lock();
@@ -257,6 +335,8 @@ std::string SculptThread::Edits(const Sculpted& sculpted) {
   nlohmann::json objects = nlohmann::json::array();
   for (std::size_t n = 0; n < sculpted.benches.size(); ++n) {
     haptics::sculpt::SculptEditor& editor = sculpted.sculpt_session(n).editor();
+    const JournalWriter::Journal& journal = sculpted.benches[n].journal;
+    const scene::JournalState kept = journal == nullptr ? scene::JournalState() : journal->state();
     objects.push_back({{"object", sculpted.object(n)},
                        {"name", sculpted.name(n)},
                        {"triangles", editor.mesh().triangle_count()},
@@ -264,6 +344,9 @@ std::string SculptThread::Edits(const Sculpted& sculpted) {
                        {"undone", editor.redo_steps()},
                        {"undo_bytes", editor.undo_bytes()},
                        {"page_bytes", editor.mesh().page_bytes()},
+                       {"journal", kept.file},
+                       {"journal_problem", kept.problem},
+                       {"saved", kept.saved},
                        {"stroke_open", editor.in_stroke()}});
   }
   const nlohmann::json edits = {{"client", sculpted.client}, {"scene", sculpted.file}, {"objects", objects}};

@@ -15,6 +15,7 @@
 
 #include "service/base/threads/realtime_threads.h"
 #include "service/base/unique_fd.h"
+#include "service/daemon/scenes/journal_writer.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene/scene.h"
 
@@ -37,12 +38,15 @@ struct SculptAnswer {
   std::string text;              // kEdits: JSON; else a line for people, including the reason of a refusal
   base::UniqueFd file;           // kSave: sealed memory that holds a .glb
   std::uint64_t file_bytes = 0;  // its size
+  // What it holds: once the asker has the file, MarkSaved with the number.
+  std::vector<std::pair<JournalWriter::Journal, std::uint64_t>> saved;
 };
 
-// A rejected stroke, for people.
+// For people: a rejected stroke, or what becomes of a journal.
 struct SculptProblem {
   std::uint64_t client = 0;
   std::string text;
+  int level = 1;  // as JournalNote's
 };
 
 class SculptThread {
@@ -50,6 +54,7 @@ class SculptThread {
   static constexpr std::chrono::milliseconds kPeriod{2};
   static constexpr std::size_t kMaxWaiting = 16;                // requests; further ones are refused at once
   static constexpr std::chrono::seconds kSameProblemAfter{10};  // the same problem is not reported again before
+  static constexpr std::chrono::seconds kKeepOpenEvery{1};      // a stroke that goes on is written to the journal
 
   SculptThread() = default;
   ~SculptThread();
@@ -58,8 +63,10 @@ class SculptThread {
 
   // All below: control thread only. A scene without a sculpt session is ignored by all of them.
 
-  // Adds a client's scene, loaded from `file`. Held until Remove.
-  void Add(std::uint64_t client, const std::string& file, const std::shared_ptr<const haptics::Scene>& scene);
+  // Adds a client's scene, loaded from `file`. Held until Remove. `journals`: one per sculpt session, or none at all;
+  // from here on they are this one's.
+  void Add(std::uint64_t client, const std::string& file, const std::shared_ptr<const haptics::Scene>& scene,
+           const std::vector<JournalWriter::Journal>& journals = {});
   // Call each time before the scene is handed to the tick: from here on nothing that the tick may read is reused.
   void EnterScene(const haptics::Scene& scene);
   // The tick no longer uses the scene: it has acknowledged a newer hand-over, or its thread has ended. Ends open
@@ -73,6 +80,10 @@ class SculptThread {
   // Neither of the two waits for an edit that is in progress: a later call returns its result.
   std::optional<SculptAnswer> PopAnswer();
   std::optional<SculptProblem> PopProblem();
+  // Of a journal; its present problem is in its state.
+  std::optional<SculptProblem> PopJournalNote();
+  // The asker has got the file.
+  void ConfirmSaved(const SculptAnswer& answer);
   // Whether the thread exists, for tests and status.
   bool running() const;
 
@@ -80,9 +91,12 @@ class SculptThread {
   using Clock = std::chrono::steady_clock;
   // One sculpt session.
   struct Bench {
-    std::uint64_t edited = 0;    // when it was edited last, counted; 0: never
-    std::string problem;         // the newest one reported ...
-    Clock::time_point reported;  // ... and when
+    std::uint64_t edited = 0;        // when it was edited last, counted; 0: never
+    std::string problem;             // the newest one reported ...
+    Clock::time_point reported;      // ... and when
+    JournalWriter::Journal journal;  // null: none
+    Clock::time_point kept;          // its open stroke, or when that began ...
+    bool moved = false;              // ... and whether it has changed since
   };
   struct Sculpted {
     std::uint64_t client = 0;
@@ -104,6 +118,8 @@ class SculptThread {
   };
   void Run();
   void Poll(Sculpted& sculpted);
+  void KeepOpenStroke(Sculpted& sculpted, std::size_t n, const haptics::sculpt::ServeReport& served);
+  void CloseJournals(Sculpted& sculpted);
   void Report(Sculpted& sculpted, std::size_t n, const std::string& problem);
   void Execute(const Work& work, std::unique_lock<std::mutex>& lock);
   void Save(const Sculpted& sculpted, std::unique_lock<std::mutex>& lock, SculptAnswer& answer);
@@ -114,6 +130,7 @@ class SculptThread {
   Sculpted* Find(const haptics::Scene& scene);
   Sculpted* Choose(std::uint64_t client, std::uint64_t owner, std::string& why);
 
+  JournalWriter writer_;
   mutable base::PriorityMutex mutex_;
   std::condition_variable wake_;
   std::vector<Sculpted> scenes_;

@@ -211,6 +211,9 @@ std::string StatusText(const json& status) {
   if (const double sculpted = NumberAt(status, "/scene/sculpted"); sculpted > 0) {
     text += Line("sculpted", Plural(static_cast<std::size_t>(sculpted), "object") + "; see `omni scene edits`");
   }
+  for (const json& line : ArrayAt(status, "/scene/strokes")) {
+    if (line.is_string()) text += Line("strokes", line.get<std::string>());
+  }
   const std::string race = RaceText(status);
   if (!race.empty()) text += Line("race", race);
   if (const std::string mapping = MappingLine(status); !mapping.empty()) text += Line("inputs", mapping);
