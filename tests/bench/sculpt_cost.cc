@@ -1,14 +1,19 @@
 // Times strokes, undo and the tick's part of sculpting; run by `omni-bench sculpt`. Prints a JSON array of rows; rows
 // with a key "table" belong to side tables.
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
 #include "service/haptics/sculpt/mesh/check_manifold.h"
 #include "service/haptics/sculpt/sculpt_query.h"
+#include "service/scene/journal/sculpt_journal.h"
 #include "service/tools/common/row_table.h"
 #include "tests/bench/arguments.h"
 #include "tests/bench/printed_rows.h"
@@ -213,6 +218,63 @@ void AddUndoRow(const Options& options, const char* body, const InputObject& obj
                   {"seconds", 1e-6 * (Now_us() - begin_us)}});
 }
 
+// Strokes of twenty moves, every second one with a journal that another thread writes and syncs: what the editor's
+// thread has to do for it.
+void AddJournalRow(const Options& options, int squares, ordered_json& rows) {
+  const auto editor = EditorOf(BumpyBall(squares, kBodyRadius_m));
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("omni-journal-" + std::to_string(getpid()));
+  UndoStep rest;
+  for (std::uint32_t page = 0; page < editor->mesh().page_count(); ++page) {
+    AppendRuns(page, EmptyPage().content, editor->mesh().GetPage(page).content, rest);
+  }
+  scene::SculptJournal journal(folder.string(), {.identity = editor->mesh().Hash(), .object = "ball"}, std::move(rest));
+  std::atomic<bool> stop{false};
+  std::thread writer([&] {
+    while (!stop.load()) {
+      journal.Flush();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  Random random(options.seed + 3);
+  std::vector<double> without_us, with_us, end_without_us, end_with_us;
+  for (int k = 0; k < (options.quick ? 40 : 600); ++k) {
+    const bool kept = k % 2 == 1;
+    editor->SetLog({});
+    if (kept) {
+      editor->SetLog([&](EditKind, const UndoStep& step) { journal.Append(scene::RecordKind::kStroke, step); });
+    }
+    Brush brush;
+    const SurfacePoint at = On(*editor, OnBall(random));
+    const double begin_us = Now_us();
+    if (!editor->Begin(at, brush).ok()) continue;
+    for (int move = 1; move <= 20; ++move) {
+      editor->MoveTo(5e-5 * move);
+      editor->Publish();
+    }
+    const double last_us = Now_us();
+    editor->End();
+    const double end_us = Now_us();
+    (kept ? with_us : without_us).push_back(end_us - begin_us);
+    (kept ? end_with_us : end_without_us).push_back(end_us - last_us);
+    editor->publisher().Acquire();
+  }
+  stop = true;
+  writer.join();
+  const double kept_kB = 1e-3 * static_cast<double>(std::filesystem::file_size(journal.state().file));
+  std::filesystem::remove_all(folder);
+  rows.push_back({{"table", "journal"},
+                  {"triangles", editor->mesh().triangle_count()},
+                  {"stroke_us_median", Quantile(without_us, 0.5)},
+                  {"stroke_us_median_kept", Quantile(with_us, 0.5)},
+                  {"ratio", Quantile(with_us, 0.5) / Quantile(without_us, 0.5)},
+                  {"end_us_median", Quantile(end_without_us, 0.5)},
+                  {"end_us_median_kept", Quantile(end_with_us, 0.5)},
+                  {"end_us_p99_kept", Quantile(end_with_us, 0.99)},
+                  {"journal_kB_per_stroke", kept_kB / static_cast<double>(with_us.size())},
+                  {"n", with_us.size()}});
+}
+
 // One grab after another by a pen that presses, pulls or pushes at some speed and releases; some are undone under the
 // tip. Largest change of the requested force from tick to tick, before the limit of the device.
 void AddForceRow(const Options& options, int squares, const char* what, double speed_m_s, double way_m, bool undo,
@@ -260,6 +322,7 @@ ordered_json Run(const Options& options) {
   const std::vector<int> sizes = options.quick ? std::vector<int>{29, 91} : std::vector<int>{29, 91, 269};
   for (const int squares : sizes) AddPublishRows(options, squares, rows);
   for (const int squares : sizes) AddTickRow(options, squares, rows);
+  for (const int squares : sizes) AddJournalRow(options, squares, rows);
   const int strokes = options.quick ? 100 : 10'000;
   AddUndoRow(options, "ball 10k", BumpyBall(29, kBodyRadius_m), strokes, kBodyRadius_m, rows);
   AddUndoRow(options, "block 12", Block(1, {0.02, 0.02, 0.01}), options.quick ? 100 : 1000, 0.02, rows);
