@@ -33,16 +33,6 @@ base::Result<std::string> FileOf(const SceneJob& job) {
   return job.document != nullptr ? job.file : config::FindScene(job.file, config::ScenesFolder());
 }
 
-// The files in the folder of a document.
-class FolderOf final : public scene::FilesBeside {
- public:
-  explicit FolderOf(const std::string& document) : folder_(std::filesystem::path(document).parent_path()) {}
-  int OpenBeside(const std::string& name) override { return scene::OpenForReading((folder_ / name).string(), false); }
-
- private:
-  const std::filesystem::path folder_;
-};
-
 }  // namespace
 
 scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m) {
@@ -306,7 +296,7 @@ class SceneBuilder::Work : public std::enable_shared_from_this<Work> {
     if (!options_.cache_folder.empty()) cache.emplace(options_.cache_folder);
     scene::LoadOptions load = task.job.options;
     base::UniqueFd opened;
-    FolderOf folder(*file);
+    scene::FilesInFolder folder(std::filesystem::path(*file).parent_path().string());
     if (task.job.document == nullptr) {
       try {
         opened.Reset(scene::OpenForReading(*file, true));

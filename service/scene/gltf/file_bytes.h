@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "service/scene/cache/sha256.h"
+#include "service/scene/scene_file.h"
 
 namespace omni::scene {
 
@@ -54,6 +56,15 @@ std::vector<unsigned char> DecodeDataUri(const std::string& uri, const std::stri
 
 // A file for reading; it may turn out to be none (FileBytes checks). Throws LoadError.
 int OpenForReading(const std::string& path, bool follow_links);
+
+class FilesInFolder final : public FilesBeside {
+ public:
+  explicit FilesInFolder(std::string folder) : folder_(std::move(folder)) {}
+  int OpenBeside(const std::string& name) override { return OpenForReading(folder_ + "/" + name, false); }
+
+ private:
+  const std::string folder_;
+};
 
 // A file in the document's own folder: no scheme, folder, ".." or NUL byte. A scene file must not make the service open
 // files elsewhere.
