@@ -122,7 +122,9 @@ void Service::SetSession(ipc::ClientId id, protocol::SessionState state) {
   const Client* owner_before = clients_.owner();
   clients_.SetSession(id, state);
   if (clients_.owner() != owner_before) commands_.vibration().Stop();
-  if (began && client->app != nullptr && !client->app->scene.empty()) scenes_.Request(id, *client->app);
+  if (began && client->app != nullptr && !client->app->scene.empty()) {
+    scenes_.Request(id, *client->app, client->info.application);
+  }
   if (began && client->app == nullptr) {
     Problem(id, 0,
             "no scene for application \"" + client->info.application + "\": add a file to apps.d to give it one");
@@ -285,7 +287,8 @@ void Service::SendSculptAnswers() {
     reply.number = answer->number;
     reply.done = answer->ok ? 1 : 0;
     reply.file_bytes = answer->ok ? answer->file_bytes : 0;
-    Send(answer->asker, reply, answer->text, reply.file_bytes > 0 ? answer->file.get() : -1);
+    const bool sent = Send(answer->asker, reply, answer->text, reply.file_bytes > 0 ? answer->file.get() : -1);
+    if (sent && reply.file_bytes > 0) scenes_.sculpt().ConfirmSaved(*answer);
   }
 }
 
@@ -319,13 +322,15 @@ void Service::UpdateSurfaces() {
 }
 
 void Service::Problem(ipc::ClientId id, int level, const std::string& text) {
-  if (level == 0) {
-    spdlog::info("{}", text);
-  } else {
-    spdlog::warn("{}", text);
+  if (level > 0) {
     if (problems_.size() == kMaxProblems) problems_.erase(problems_.begin());
     problems_.push_back(text);
   }
+  Say(id, level, text);
+}
+
+void Service::Say(ipc::ClientId id, int level, const std::string& text) {
+  level == 0 ? spdlog::info("{}", text) : spdlog::warn("{}", text);
   if (id == 0) return;
   protocol::Notice notice;
   notice.level = static_cast<std::uint32_t>(level);

@@ -84,6 +84,7 @@ class Service : public ipc::ServerHandler {
   void PublishBase(const std::optional<protocol::BaseSample>& sample);
   bool Aligned() const;
   void Problem(ipc::ClientId id, int level, const std::string& text);
+  void Say(ipc::ClientId id, int level, const std::string& text);
 
   const ServiceOptions options_;
   const std::int64_t start_ns_;

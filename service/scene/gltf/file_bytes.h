@@ -59,7 +59,8 @@ int OpenForReading(const std::string& path, bool follow_links);
 
 class FilesInFolder final : public FilesBeside {
  public:
-  explicit FilesInFolder(std::string folder) : folder_(std::move(folder)) {}
+  explicit FilesInFolder(const std::string& folder)
+      : folder_(folder.empty() ? "." : folder) {}  // empty: the working folder
   int OpenBeside(const std::string& name) override { return OpenForReading(folder_ + "/" + name, false); }
 
  private:
