@@ -3,13 +3,18 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <random>
+#include <thread>
 
+#include <signal.h>
 #include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "service/config/paths.h"
 #include "tests/support/process/temp_folder.h"
@@ -375,6 +380,66 @@ TEST(ConfigCalibration, PreviousFileIsKeptAndCanBeRestored) {
   EXPECT_EQ(dates(), std::pair(std::string("first"), std::string("second")));
   ASSERT_TRUE(RestoreCalibrationFile(path, NominalBase()).ok());
   EXPECT_EQ(dates(), std::pair(std::string("second"), std::string("first"))) << "and back again";
+}
+
+TEST(ConfigCalibration, FivePreviousFilesAreKeptAndEachCanBeRestored) {
+  const test::TempFolder folder;
+  const std::string path = folder.Path("calibration.toml");
+  EXPECT_EQ(PreviousCalibration(path, 3), folder.Path("calibration.previous.3.toml"));
+  const auto save = [&](int date) {
+    CalibrationFile file = ExampleCalibration();
+    file.date = std::to_string(date);
+    ASSERT_TRUE(SaveCalibrationFile(path, file, NominalBase(), true).ok());
+  };
+  const auto dates = [&] {  // the newest first
+    std::string all;
+    for (int number = 0; number <= kPreviousCalibrations + 1; ++number) {
+      const auto file = LoadCalibrationFile(number == 0 ? path : PreviousCalibration(path, number), NominalBase());
+      all += file.ok() ? file->date : "-";
+    }
+    return all;
+  };
+  for (int date = 1; date <= 8; ++date) save(date);
+  EXPECT_EQ(dates(), "876543-");
+  ASSERT_TRUE(RestoreCalibrationFile(path, NominalBase(), 4).ok());
+  EXPECT_EQ(dates(), "476583-");
+  ASSERT_TRUE(RestoreCalibrationFile(path, NominalBase(), 4).ok());
+  EXPECT_EQ(dates(), "876543-");
+  EXPECT_FALSE(RestoreCalibrationFile(path, NominalBase(), 6).ok());
+  // A crash between two renames leaves a gap: nothing more than it takes moves on.
+  std::filesystem::remove(PreviousCalibration(path, 2));
+  save(9);
+  EXPECT_EQ(dates(), "987543-");
+  // No calibration at all: the previous one becomes it.
+  std::filesystem::remove(path);
+  ASSERT_TRUE(RestoreCalibrationFile(path, NominalBase()).ok());
+  EXPECT_EQ(dates(), "8-7543-");
+}
+
+// Killed at any moment: there is a whole calibration under the name, and no other file is torn.
+TEST(ConfigCalibration, KilledRestoreLeavesWholeFiles) {
+  const test::TempFolder folder;
+  const std::string path = folder.Path("calibration.toml");
+  for (const char* date : {"first", "second"}) {
+    CalibrationFile file = ExampleCalibration();
+    file.date = date;
+    ASSERT_TRUE(SaveCalibrationFile(path, file, NominalBase(), true).ok());
+  }
+  for (int round = 0; round < 20; ++round) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      while (true) static_cast<void>(RestoreCalibrationFile(path, NominalBase()));
+    }
+    ASSERT_GT(child, 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(3 + round % 5));
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    const auto now = LoadCalibrationFile(path, NominalBase());
+    const auto previous = LoadCalibrationFile(PreviousCalibration(path), NominalBase());
+    ASSERT_TRUE(now.ok()) << now.error();
+    ASSERT_TRUE(previous.ok()) << previous.error();
+    EXPECT_NE(now->date, previous->date);
+  }
 }
 
 TEST(ConfigCalibration, DamagedPreviousFileIsNotRestored) {

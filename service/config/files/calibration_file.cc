@@ -1,6 +1,10 @@
 #include "service/config/files/calibration_file.h"
 
+#include <fcntl.h>
+#include <stdio.h>
+
 #include <array>
+#include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <utility>
@@ -290,10 +294,29 @@ std::string WriteCalibration(const CalibrationFile& file, const DeviceGeometry& 
          ChecksumOf(content) + "\"  # of the lines below; after editing them, delete this line\n" + content;
 }
 
-std::string PreviousCalibration(const std::string& path) {
+std::string PreviousCalibration(const std::string& path, int number) {
   const std::filesystem::path file(path);
-  return (file.parent_path() / (file.stem().string() + ".previous" + file.extension().string())).string();
+  const std::string name = file.stem().string() + ".previous" + (number == 1 ? "" : "." + std::to_string(number));
+  return (file.parent_path() / (name + file.extension().string())).string();
 }
+
+namespace {
+
+// Leaves number 1 free; the oldest goes where all numbers are taken. One rename after another: a crash loses none.
+base::Status MoveOn(const std::string& path) {
+  std::error_code error;
+  int free = 1;
+  while (free < kPreviousCalibrations && std::filesystem::exists(PreviousCalibration(path, free), error)) ++free;
+  for (int number = free; number > 1; --number) {
+    const std::string to = PreviousCalibration(path, number);
+    if (std::rename(PreviousCalibration(path, number - 1).c_str(), to.c_str()) != 0) {
+      return base::Error{base::WriteProblem(to, errno)};
+    }
+  }
+  return base::Ok{};
+}
+
+}  // namespace
 
 base::Status SaveCalibrationFile(const std::string& path, const CalibrationFile& file, const ExpectedBase& expected,
                                  bool replace) {
@@ -303,22 +326,27 @@ base::Status SaveCalibrationFile(const std::string& path, const CalibrationFile&
   if (replace && std::filesystem::exists(path, error)) {
     const base::Result<std::string> old = ReadTextFile(path);
     if (!old.ok()) return base::Error{old.error()};
+    if (auto moved = MoveOn(path); !moved.ok()) return moved;
     if (auto kept = base::WriteWholeFile(PreviousCalibration(path), *old); !kept.ok()) return kept;
   }
   return base::WriteWholeFile(path, text, {.replace = replace, .make_folder = true});
 }
 
-base::Status RestoreCalibrationFile(const std::string& path, const ExpectedBase& expected) {
-  const std::string previous = PreviousCalibration(path);
+base::Status RestoreCalibrationFile(const std::string& path, const ExpectedBase& expected, int number) {
+  const std::string previous = PreviousCalibration(path, number);
   const base::Result<std::string> back = ReadTextFile(previous);
   if (!back.ok()) return base::Error{back.error()};
   if (auto checked = ParseCalibration(*back, previous, expected); !checked.ok()) return base::Error{checked.error()};
   std::error_code error;
   const bool there = std::filesystem::exists(path, error);
+  const unsigned how = there ? RENAME_EXCHANGE : RENAME_NOREPLACE;
+  if (::renameat2(AT_FDCWD, previous.c_str(), AT_FDCWD, path.c_str(), how) == 0) return base::Ok{};
+  if (errno != EINVAL && errno != ENOSYS) return base::Error{base::WriteProblem(path, errno)};
+  // A file system that cannot exchange two files: one after the other, each whole at any time.
   const base::Result<std::string> current = there ? ReadTextFile(path) : std::string();
   if (!current.ok()) return base::Error{current.error()};
   if (auto put = base::WriteWholeFile(path, *back); !put.ok()) return put;
-  return there ? base::WriteWholeFile(previous, *current) : base::Status(base::Ok{});
+  return there ? base::WriteWholeFile(previous, *current) : base::RemoveWholeFile(previous);
 }
 
 namespace {

@@ -54,14 +54,16 @@ base::Result<CalibrationFile> ParseCalibration(const std::string& text, const st
 
 std::string WriteCalibration(const CalibrationFile& file, const base::DeviceGeometry& device);
 
-// Path of the file that `path` replaced: "calibration.toml" -> "calibration.previous.toml".
-std::string PreviousCalibration(const std::string& path);
-// Writes no file that LoadCalibrationFile would reject. With `replace` an existing file becomes the previous one;
-// without it, this fails. Makes the folder.
+// So many files that `path` replaced are kept, the newest as number 1: "calibration.previous.toml", then
+// "calibration.previous.2.toml" ...
+inline constexpr int kPreviousCalibrations = 5;
+std::string PreviousCalibration(const std::string& path, int number = 1);
+// Writes no file that LoadCalibrationFile would reject. With `replace` an existing file becomes the newest previous
+// one, and older ones move on; without it, this fails. Makes the folder.
 base::Status SaveCalibrationFile(const std::string& path, const CalibrationFile& file, const ExpectedBase& expected,
                                  bool replace);
-// Exchanges `path` and the previous file: a second call undoes the first.
-base::Status RestoreCalibrationFile(const std::string& path, const ExpectedBase& expected);
+// Exchanges `path` and a previous file, at once: a second call undoes the first, and whatever happens both are whole.
+base::Status RestoreCalibrationFile(const std::string& path, const ExpectedBase& expected, int number = 1);
 
 // Which calibration a program uses: `path` if given, else the user's own file if there is one. `shipped`: of this base,
 // if Omni has one; used where the user has none for it.

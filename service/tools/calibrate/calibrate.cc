@@ -32,6 +32,7 @@ struct Arguments {
   std::string output;
   bool replace = false;
   bool restore = false;
+  int back = 1;
   bool zero = false;
   bool tip = false;
   SessionOptions session;
@@ -94,11 +95,11 @@ std::string PlaceProblem(const std::string& output, bool replace) {
   return error == 0 ? std::string() : base::WriteProblem(output, error);
 }
 
-int Restore(const std::string& output, const config::ExpectedBase& of) {
-  const base::Status restored = config::RestoreCalibrationFile(output, of);
+int Restore(const std::string& output, const config::ExpectedBase& of, int number) {
+  const base::Status restored = config::RestoreCalibrationFile(output, of, number);
   if (!restored.ok()) return Fail(kCalibrate, restored.error());
   std::printf("restored     %s from %s; omnid uses it from its next start\n", output.c_str(),
-              config::PreviousCalibration(output).c_str());
+              config::PreviousCalibration(output, number).c_str());
   return kExitOk;
 }
 
@@ -254,7 +255,7 @@ int Calibrate(const Arguments& arguments) {
   const std::string output = arguments.output.empty() ? config::UserCalibrationFile() : arguments.output;
   if (output.empty()) return Fail(kCalibrate, "no home folder to write calibration.toml to; name a file with -o FILE");
   const config::ExpectedBase of{.device = device, .drawing = magnetics::NominalCalibration(device), .serial = {}};
-  if (arguments.restore) return Restore(output, of);
+  if (arguments.restore) return Restore(output, of, arguments.back);
   if (arguments.zero) return Apply(ZeroChange(), arguments, output, of);
   if (arguments.tip) {
     return Apply(TipChange(device.magnet.tip_offset_m, arguments.run.twin_seed), arguments, output, of);
@@ -280,6 +281,9 @@ void AddCalibrate(Command& app) {
   Option restore =
       calibrate.Add("--restore", arguments->restore, "swap the previous calibration file with the current one")
           .Excludes(replace);
+  calibrate.Add("--back", arguments->back, "with --restore: the last one is 1, the one before it 2")
+      .Range(1, config::kPreviousCalibrations)
+      .Needs(restore);
   Option zero =
       calibrate.Add("--zero", arguments->zero, "measure again only what the sensors read without the pen (two seconds)")
           .Excludes(replace)
