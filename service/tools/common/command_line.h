@@ -54,6 +54,7 @@ OMNI_COMMANDS(OMNI_DECLARE)
 void AddSocket(Command& command, std::string& socket);
 
 void AddSceneEdits(Command& scene);        // omni scene edits, undo, redo, save
+void AddSceneRecover(Command& scene);      // omni scene recover
 void AddTwinHand(Command& twin);           // omni twin hand
 void AddRehearseController(Command& app);  // what `omni setup --rehearse` aligns with; hidden
 

@@ -50,7 +50,7 @@ std::string FindHandScript(const std::string& scene_path) {
 }
 
 // omni scene explain: what of a file is loaded, what is skipped and why, and what it costs. omni scene cost: the same
-// as counted by the system. omni scene cache: the cached built scenes. The rest: scene_edit.cc.
+// as counted by the system. omni scene cache: the cached built scenes. The rest: scene_edit.cc, scene_recover.cc.
 
 namespace {
 
@@ -128,6 +128,7 @@ void AddScene(Command& app) {
   cache.SetAction(arguments, Cache);
   explain.SetAction(arguments, Explain);
   AddSceneEdits(scene);
+  AddSceneRecover(scene);
 }
 
 }  // namespace omni::tools

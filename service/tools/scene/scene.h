@@ -75,6 +75,9 @@ nlohmann::json SceneJson(const std::string& path, const LoadedScene& scene);
 // A line for the scene, one for each object.
 std::string EditsText(const nlohmann::json& edits);
 
+// omni scene recover: `rows` as its --json prints them.
+std::string JournalsText(const std::string& folder, const nlohmann::json& rows);
+
 // The race in a status, for people.
 
 // "2 laps, last 9.84 s, best 9.61 s, now 3.20 s; 52 mm/s; 4 hits"; empty: no race is on.
