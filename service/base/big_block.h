@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <new>
+#include <utility>
 
 namespace omni::base {
 
@@ -27,6 +28,15 @@ struct BigBlockAllocator {
     void* const memory = ::operator new(bytes, Alignment(bytes));
     if (bytes >= kHugePage) (void)madvise(memory, bytes, MADV_HUGEPAGE);
     return static_cast<T*>(memory);
+  }
+  // Elements without a value given are not set: a large block takes memory as it is written.
+  template <class U>
+  void construct(U* place) noexcept {
+    ::new (static_cast<void*>(place)) U;
+  }
+  template <class U, class... From>
+  void construct(U* place, From&&... from) {
+    ::new (static_cast<void*>(place)) U(std::forward<From>(from)...);
   }
   void deallocate(T* memory, std::size_t count) noexcept { ::operator delete(memory, Alignment(count * sizeof(T))); }
 

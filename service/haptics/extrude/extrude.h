@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "service/base/work_watch.h"
 #include "service/haptics/geometry/mesh.h"
 #include "service/haptics/geometry/surface.h"
 #include "service/haptics/scene/material.h"
@@ -44,6 +45,7 @@ struct Face {
 
 // Largest first. A material that wraps around an edge gives one face per side: a triangle joins if its normal is within
 // about 35 degrees of the largest triangle's. Slivers under 5 % of the largest face stay rigid.
-std::vector<Face> FindFaces(const Mesh& mesh, const std::vector<Material>& materials);
+std::vector<Face> FindFaces(const Mesh& mesh, const std::vector<Material>& materials,
+                            const base::WorkWatch& watch = {});
 
 }  // namespace omni::haptics

@@ -20,13 +20,14 @@ Vec3 Middle(const Mesh& mesh, std::uint32_t t) {
   return (1.0 / 3) * (mesh.vertices[v[0]] + mesh.vertices[v[1]] + mesh.vertices[v[2]]);
 }
 
-Face Grow(const Mesh& mesh, std::uint32_t seed, std::vector<bool>& open) {
+Face Grow(const Mesh& mesh, std::uint32_t seed, std::vector<bool>& open, const base::WorkWatch& watch) {
   Face face;
   face.material = mesh.material[seed];
   const Vec3 seed_normal = Normalized(DoubleArea(mesh, seed));
   face.triangles.push_back(seed);
   open[seed] = false;
   for (std::size_t head = 0; head < face.triangles.size(); ++head) {
+    watch.Did();
     for (const std::uint32_t other : mesh.neighbours[face.triangles[head]]) {
       if (other == kNoIndex || !open[other] || mesh.material[other] != face.material) continue;
       if (Dot(Normalized(DoubleArea(mesh, other)), seed_normal) < kSameFaceCosine) continue;
@@ -58,21 +59,23 @@ void Measure(const Mesh& mesh, Face& face) {
 
 }  // namespace
 
-std::vector<Face> FindFaces(const Mesh& mesh, const std::vector<Material>& materials) {
+std::vector<Face> FindFaces(const Mesh& mesh, const std::vector<Material>& materials, const base::WorkWatch& watch) {
   std::vector<std::uint32_t> seeds;
   std::vector<bool> open(mesh.triangles.size(), false);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    watch.Did();
     open[t] = materials[mesh.material[t]].extrude.enabled;
     if (open[t]) seeds.push_back(t);
   }
   std::vector<Face> faces;
   if (seeds.empty()) return faces;
   std::stable_sort(seeds.begin(), seeds.end(), [&](std::uint32_t a, std::uint32_t b) {
+    watch.Did();
     return SquaredNorm(DoubleArea(mesh, a)) > SquaredNorm(DoubleArea(mesh, b));
   });
   for (const std::uint32_t seed : seeds) {
     if (!open[seed]) continue;
-    faces.push_back(Grow(mesh, seed, open));
+    faces.push_back(Grow(mesh, seed, open, watch));
     Measure(mesh, faces.back());
   }
   std::stable_sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.area_m2 > b.area_m2; });

@@ -26,9 +26,10 @@ double Diagonal(const Mesh& mesh, const std::vector<std::uint32_t>& vertices) {
   return Norm(upper - lower);
 }
 
-std::vector<double> DiagonalsOf(const Mesh& mesh, std::uint32_t components) {
+std::vector<double> DiagonalsOf(const Mesh& mesh, std::uint32_t components, const base::WorkWatch& watch) {
   std::vector<Vec3> lower(components, {1e30, 1e30, 1e30}), upper(components, {-1e30, -1e30, -1e30});
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    watch.Did();
     for (const std::uint32_t v : mesh.triangles[t]) {
       lower[mesh.component[t]] = Min(lower[mesh.component[t]], mesh.vertices[v]);
       upper[mesh.component[t]] = Max(upper[mesh.component[t]], mesh.vertices[v]);
@@ -42,8 +43,10 @@ std::vector<double> DiagonalsOf(const Mesh& mesh, std::uint32_t components) {
 // Borders chained to loops. A hole is run round against its triangles: from the end of a border edge to its start.
 class LoopFinder {
  public:
-  LoopFinder(const Mesh& mesh, const EdgeList& edges) : mesh_(mesh), borders_(edges.borders) {
+  LoopFinder(const Mesh& mesh, const EdgeList& edges, const base::WorkWatch& watch)
+      : mesh_(mesh), borders_(edges.borders), watch_(watch) {
     for (std::uint32_t i = 0; i < borders_.size(); ++i) {
+      watch.Did();
       const auto [found, fresh] = ending_.emplace(End(i), i);
       if (!fresh) found->second = kNoIndex;  // two borders end here (a bow tie): which goes on is not known
     }
@@ -59,6 +62,7 @@ class LoopFinder {
       loop.component = mesh_.component[borders_[i].triangle];
       bool closed = false;
       for (std::uint32_t at = i; loop.vertices.size() <= kMaxHoleEdges;) {
+        watch_.Did();
         used[at] = true;
         loop.vertices.push_back(End(at));
         loop.corners.emplace_back(borders_[at].triangle, (borders_[at].edge + 1) % 3);
@@ -83,6 +87,7 @@ class LoopFinder {
 
   const Mesh& mesh_;
   const std::vector<HalfEdge>& borders_;
+  const base::WorkWatch& watch_;
   std::unordered_map<std::uint32_t, std::uint32_t> ending_;  // vertex -> the border that ends there
 };
 
@@ -94,11 +99,12 @@ class Triangulator {
       : mesh_(mesh), edges_(edges), loop_(loop), n_(loop.vertices.size()), weight_(n_ * n_, 0), split_(n_ * n_, 0) {}
 
   // False: there is none.
-  bool Run(std::vector<std::array<std::size_t, 3>>& triangles) {
+  bool Run(std::vector<std::array<std::size_t, 3>>& triangles, const base::WorkWatch& watch) {
     constexpr double kNone = std::numeric_limits<double>::infinity();
     for (std::size_t span = 2; span < n_; ++span) {
       for (std::size_t i = 0; i + span < n_; ++i) {
         const std::size_t k = i + span;
+        watch.Did(span);
         double& best = weight_[i * n_ + k];
         best = kNone;
         const bool closing = span == n_ - 1;  // the last side of the loop, not a diagonal
@@ -163,17 +169,18 @@ void AddFilling(Mesh& mesh, const Loop& loop, const std::vector<std::array<std::
 
 }  // namespace
 
-std::uint32_t CloseSmallHoles(Mesh& mesh, const EdgeList& edges, std::uint32_t components, std::size_t most) {
+std::uint32_t CloseSmallHoles(Mesh& mesh, const EdgeList& edges, std::uint32_t components, std::size_t most,
+                              const base::WorkWatch& watch) {
   if (edges.borders.empty()) return 0;
   std::vector<bool> open(components, false);
-  const std::vector<Loop> loops = LoopFinder(mesh, edges).Run(open);
-  const std::vector<double> diagonals = DiagonalsOf(mesh, components);
+  const std::vector<Loop> loops = LoopFinder(mesh, edges, watch).Run(open);
+  const std::vector<double> diagonals = DiagonalsOf(mesh, components, watch);
   std::vector<std::vector<std::array<std::size_t, 3>>> fillings(loops.size());
   for (std::size_t i = 0; i < loops.size(); ++i) {
     const Loop& loop = loops[i];
     if (open[loop.component]) continue;
     const bool small = Diagonal(mesh, loop.vertices) <= kMaxHoleRelative * diagonals[loop.component];
-    if (!small || !Triangulator(mesh, edges, loop).Run(fillings[i])) open[loop.component] = true;
+    if (!small || !Triangulator(mesh, edges, loop).Run(fillings[i], watch)) open[loop.component] = true;
   }
   std::uint32_t closed = 0;
   for (std::size_t i = 0; i < loops.size(); ++i) {

@@ -42,9 +42,10 @@ double TriangleArea(const Mesh& mesh, std::uint32_t t) {
 
 // V = 1/6 sum a . (b x c), relative to the part's middle: meshes far away keep their digits, and an open part gets the
 // volume between it and its middle.
-std::vector<Part> PartsOf(const Mesh& mesh, std::uint32_t count) {
+std::vector<Part> PartsOf(const Mesh& mesh, std::uint32_t count, const base::WorkWatch& watch) {
   std::vector<Part> parts(count);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    watch.Did(2);
     Part& part = parts[mesh.component[t]];
     const auto& [a, b, c] = mesh.triangles[t];
     const double area_m2 = TriangleArea(mesh, t);
@@ -70,13 +71,14 @@ std::vector<Part> PartsOf(const Mesh& mesh, std::uint32_t count) {
 
 // Which parts may be wrong. A closed one of positive volume is right: only what lies around it, turned inside-out,
 // could make its winding number negative. Largest first.
-std::vector<std::uint32_t> Doubtful(const std::vector<Part>& parts) {
+std::vector<std::uint32_t> Doubtful(const std::vector<Part>& parts, const base::WorkWatch& watch) {
   std::vector<std::uint32_t> doubtful;
   for (std::uint32_t p = 0; p < parts.size(); ++p) {
     const Part& part = parts[p];
     if (part.closed ? part.volume_m3 < 0 : part.triangles >= kFewTriangles) doubtful.push_back(p);
   }
   std::sort(doubtful.begin(), doubtful.end(), [&](std::uint32_t a, std::uint32_t b) {
+    watch.Did();
     return parts[a].area_m2 != parts[b].area_m2 ? parts[a].area_m2 > parts[b].area_m2 : a < b;
   });
   return doubtful;
@@ -85,17 +87,18 @@ std::vector<std::uint32_t> Doubtful(const std::vector<Part>& parts) {
 // Asks for winding numbers until the work is spent; then the sign of volumes decides.
 class Turner {
  public:
-  Turner(Mesh& mesh, std::vector<Part>& parts, OrientReport& report)
+  Turner(Mesh& mesh, std::vector<Part>& parts, OrientReport& report, const base::WorkWatch& watch)
       : mesh_(mesh),
         parts_(parts),
         report_(report),
+        watch_(watch),
         flip_(parts.size(), false),
         winding_(parts.size(), 0),
         left_(static_cast<std::int64_t>(kWork + kWorkPerTriangle * mesh.triangles.size())) {}
 
   void ByWinding(const std::vector<std::uint32_t>& doubtful) {
     PickSamples(doubtful);
-    WindingTree tree(mesh_);
+    WindingTree tree(mesh_, watch_);
     std::vector<std::uint32_t> asked = doubtful, unasked;
     for (int round = 0; round < kMaxRounds; ++round) {
       std::vector<std::uint32_t> wrong;
@@ -137,6 +140,7 @@ class Turner {
     for (const std::uint32_t p : doubtful) wanted[p] = true;
     std::vector<double> passed(parts_.size(), 0);
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      watch_.Did();
       if (!wanted[mesh_.component[t]]) continue;
       Part& part = parts_[mesh_.component[t]];
       double& area = passed[mesh_.component[t]];
@@ -150,12 +154,13 @@ class Turner {
   // n + 1/2 with n >= 0 solids in front of it, an inside-out one less than 0   (R.6)
   double WindingOn(const WindingTree& tree, const Part& part) {
     double sum = 0;
-    std::uint64_t visited = 0;
     for (const std::uint32_t t : part.samples) {
+      std::uint64_t visited = 0;
       const auto& [a, b, c] = mesh_.triangles[t];
       sum += tree.At((1.0 / 3) * (mesh_.vertices[a] + mesh_.vertices[b] + mesh_.vertices[c]), t, visited);
+      watch_.Did(1 + visited / 16);  // tens of nanoseconds each
+      left_ -= static_cast<std::int64_t>(visited);
     }
-    left_ -= static_cast<std::int64_t>(visited);
     return part.samples.empty() ? 0 : sum / static_cast<double>(part.samples.size());
   }
 
@@ -167,6 +172,7 @@ class Turner {
     std::vector<std::uint32_t> outermost;
     for (const std::uint32_t inner : wrong) {
       const auto contains = [&](std::uint32_t outer) { return PartContains(parts_[outer], parts_[inner]); };
+      watch_.Did(1 + outermost.size() / 8);
       left_ -= static_cast<std::int64_t>(outermost.size() / kComparedPerWork);
       if (left_ > 0 && std::any_of(outermost.begin(), outermost.end(), contains)) continue;
       outermost.push_back(inner);
@@ -183,6 +189,7 @@ class Turner {
 
   void Flip() {
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      watch_.Did();
       if (flip_[mesh_.component[t]]) haptics::Flip(mesh_, t);
     }
     flip_.assign(flip_.size(), false);
@@ -191,6 +198,7 @@ class Turner {
   Mesh& mesh_;
   std::vector<Part>& parts_;
   OrientReport& report_;
+  const base::WorkWatch& watch_;
   std::vector<bool> flip_;
   std::vector<double> winding_;
   std::int64_t left_;  // work
@@ -198,12 +206,12 @@ class Turner {
 
 }  // namespace
 
-OrientReport OrientOutwards(Mesh& mesh, std::uint32_t components) {
+OrientReport OrientOutwards(Mesh& mesh, std::uint32_t components, const base::WorkWatch& watch) {
   OrientReport report;
-  std::vector<Part> parts = PartsOf(mesh, components);
-  const std::vector<std::uint32_t> doubtful = Doubtful(parts);
+  std::vector<Part> parts = PartsOf(mesh, components, watch);
+  const std::vector<std::uint32_t> doubtful = Doubtful(parts, watch);
   if (doubtful.empty()) return report;
-  Turner turner(mesh, parts, report);
+  Turner turner(mesh, parts, report, watch);
   if (components == 1 && parts[0].closed) {  // the sign of its volume says all
     turner.ByVolume(doubtful);
   } else if (mesh.triangles.size() > kMaxWindingTriangles) {

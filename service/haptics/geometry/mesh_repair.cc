@@ -94,11 +94,13 @@ double LargestExtent(const std::vector<Vec3>& vertices) {
 
 // Old index -> new index; kNoIndex where not finite. Files repeat vertices exactly: a cheap look-up of those first
 // would save nothing measurable, because the cell look-up is one bucket.
-std::vector<std::uint32_t> Weld(const std::vector<Vec3>& vertices, std::vector<Vec3>& kept, RepairCounts& counts) {
+std::vector<std::uint32_t> Weld(const std::vector<Vec3>& vertices, std::vector<Vec3>& kept, RepairCounts& counts,
+                                const base::WorkWatch& watch) {
   Welder welder(kWeldRelative * LargestExtent(vertices), vertices.size());
   std::vector<std::uint32_t> map(vertices.size(), kNoIndex);
   std::uint32_t finite = 0;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
+    watch.Did();
     if (!IsFinite(vertices[i])) continue;
     map[i] = welder.Add(vertices[i] + Vec3{});  // -0 + 0 = +0: one zero
     ++finite;
@@ -140,11 +142,12 @@ class DuplicateFinder {
   std::vector<std::uint32_t> next_;
 };
 
-void DropUnusedVertices(Mesh& mesh) {
+void DropUnusedVertices(Mesh& mesh, const base::WorkWatch& watch) {
   std::vector<std::uint32_t> map(mesh.vertices.size(), kNoIndex);
   std::vector<Vec3> used;
   used.reserve(mesh.vertices.size());
   for (auto& t : mesh.triangles) {
+    watch.Did();
     for (std::uint32_t& v : t) {
       if (map[v] == kNoIndex) {
         map[v] = static_cast<std::uint32_t>(used.size());
@@ -158,13 +161,14 @@ void DropUnusedVertices(Mesh& mesh) {
 
 }  // namespace
 
-Mesh RepairMesh(const InputObject& input, RepairCounts& counts) {
+Mesh RepairMesh(const InputObject& input, RepairCounts& counts, const base::WorkWatch& watch) {
   Mesh mesh;
-  const std::vector<std::uint32_t> map = Weld(input.vertices_base_m, mesh.vertices, counts);
+  const std::vector<std::uint32_t> map = Weld(input.vertices_base_m, mesh.vertices, counts, watch);
   mesh.triangles.reserve(input.triangles.size());
   mesh.material.reserve(input.triangles.size());
   DuplicateFinder duplicates(input.triangles.size());
   for (std::size_t i = 0; i < input.triangles.size(); ++i) {
+    watch.Did();
     const auto& old = input.triangles[i];
     const std::array<std::uint32_t, 3> t{map[old[0]], map[old[1]], map[old[2]]};
     if (t[0] == kNoIndex || t[1] == kNoIndex || t[2] == kNoIndex) {
@@ -181,7 +185,7 @@ Mesh RepairMesh(const InputObject& input, RepairCounts& counts) {
       }
     }
   }
-  DropUnusedVertices(mesh);
+  DropUnusedVertices(mesh, watch);
   return mesh;
 }
 

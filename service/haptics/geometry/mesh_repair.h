@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "service/base/work_watch.h"
 #include "service/haptics/geometry/mesh.h"
 #include "service/haptics/scene/material.h"
 #include "service/haptics/scene/scene_input.h"
@@ -22,7 +23,7 @@ struct RepairCounts {
 inline constexpr double kWeldRelative = 1e-7;  // of the object's largest extent
 
 // Precondition: indices and materials of `input` are in range. Triangles at non-finite vertices are dropped.
-Mesh RepairMesh(const InputObject& input, RepairCounts& counts);
+Mesh RepairMesh(const InputObject& input, RepairCounts& counts, const base::WorkWatch& watch = {});
 
 // Splitting edges and closing holes make at most so many triangles of `triangles`.
 constexpr std::size_t MostTriangles(std::size_t triangles) {
@@ -46,6 +47,6 @@ struct TopologyReport {
 
 // Fills mesh.neighbours and mesh.component, reorders corners where a triangle has to be turned, adds triangles at
 // cracks and small holes.
-TopologyReport ConnectAndOrient(Mesh& mesh);
+TopologyReport ConnectAndOrient(Mesh& mesh, const base::WorkWatch& watch = {});
 
 }  // namespace omni::haptics

@@ -19,11 +19,13 @@ struct EdgeHit {
 // The border's vertices, in a tree of their own.
 class BorderVertices {
  public:
-  BorderVertices(const Mesh& mesh, const EdgeList& edges, SnapBudget& budget) : mesh_(mesh), budget_(budget) {
+  BorderVertices(const Mesh& mesh, const EdgeList& edges, SnapBudget& budget, const base::WorkWatch& watch)
+      : mesh_(mesh), budget_(budget), watch_(watch) {
     std::vector<bool> seen(mesh.vertices.size(), false);
     std::vector<TreePrimitive> points;
     Vec3 lower{1e30, 1e30, 1e30}, upper{-1e30, -1e30, -1e30};
     for (const HalfEdge& edge : edges.borders) {
+      watch.Did();
       for (const std::uint32_t v : {static_cast<std::uint32_t>(edge.key >> 32), static_cast<std::uint32_t>(edge.key)}) {
         if (seen[v]) continue;
         seen[v] = true;
@@ -37,7 +39,7 @@ class BorderVertices {
     tolerance_m_ = kSnapRelative * std::max({d.x, d.y, d.z});
     // The slack of float boxes is 2^-19 of this, twice the tolerance at least.
     extent_m_ = 4 * std::max(LargestComponent(lower), LargestComponent(upper));
-    root_ = AppendTree(points, nodes_, packets_).root;
+    root_ = AppendTree(points, nodes_, packets_, watch).root;
     for (TrianglePacket& packet : packets_) {
       for (int lane = 0; lane < kPacketSize; ++lane) {
         for (int k = 0; k < 3; ++k) FillPacket(packet, lane, k, mesh.vertices[packet.triangle[lane]]);
@@ -57,6 +59,7 @@ class BorderVertices {
       if (budget_.visits == 0) return {};
       if (hits.size() > budget_.vertices) break;
       budget_.Spend(1);
+      watch_.Did();
       const TreeNode& node = nodes_[stack[--size]];
       for (unsigned meets = static_cast<unsigned>(MeetMask(node, segment)); meets != 0; meets &= meets - 1) {
         const std::uint32_t child = node.child[std::countr_zero(meets)];
@@ -96,6 +99,7 @@ class BorderVertices {
 
   const Mesh& mesh_;
   SnapBudget& budget_;
+  const base::WorkWatch& watch_;
   std::vector<TreeNode> nodes_;
   std::vector<TrianglePacket> packets_;
   std::uint32_t root_ = 0;
@@ -145,11 +149,12 @@ SnapBudget SnapBudgetOf(const Mesh& mesh, const EdgeList& edges, std::size_t mos
   return {.visits = 10'000 + 24 * std::uint64_t{edges.borders.size()}, .vertices = most - mesh.triangles.size()};
 }
 
-std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges, SnapBudget& budget) {
+std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges, SnapBudget& budget, const base::WorkWatch& watch) {
   if (edges.borders.empty() || budget.visits == 0) return 0;
-  BorderVertices vertices(mesh, edges, budget);
+  BorderVertices vertices(mesh, edges, budget, watch);
   std::vector<HalfEdge> borders = edges.borders;
-  std::sort(borders.begin(), borders.end(), [](const HalfEdge& x, const HalfEdge& y) {
+  std::sort(borders.begin(), borders.end(), [&](const HalfEdge& x, const HalfEdge& y) {
+    watch.Did();
     return x.triangle != y.triangle ? x.triangle < y.triangle : x.edge < y.edge;
   });
   std::uint32_t snapped = 0;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "service/base/work_watch.h"
 #include "service/haptics/geometry/mesh.h"
 
 namespace omni::haptics {
@@ -29,7 +30,7 @@ struct EdgeList {
 };
 
 // Lists the edges and fills mesh.neighbours: edges of one or of three and more triangles stay without neighbour.
-EdgeList ConnectEdges(Mesh& mesh);
+EdgeList ConnectEdges(Mesh& mesh, const base::WorkWatch& watch);
 
 // T-junctions: a vertex of one triangle on the edge of another leaves a crack without width, across which the two are
 // not neighbours. The edge is split at the vertex (mesh_snap.cc)   (R.2).
@@ -46,7 +47,7 @@ SnapBudget SnapBudgetOf(const Mesh& mesh, const EdgeList& edges, std::size_t mos
 
 // Splits each border edge at the border vertices on it; one edge of a triangle at a time, so call it again until it
 // gives 0. Neighbours are not up to date afterwards. Returns the number of vertices that split an edge.
-std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges, SnapBudget& budget);
+std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges, SnapBudget& budget, const base::WorkWatch& watch);
 
 // Small holes of a body that is otherwise closed (mesh_holes.cc)   (R.3).
 inline constexpr std::size_t kMaxHoleEdges = 64;
@@ -57,7 +58,8 @@ inline constexpr std::size_t kMaxHoles = 1000;   // of a mesh
 // keep theirs. Each hole gets the triangulation of least area [Barequet & Sharir 1995]. Precondition: neighbours and
 // components are filled, each component oriented in itself. Neighbours are not up to date afterwards. Returns the
 // number of holes that were filled. The mesh gets at most `most` triangles.
-std::uint32_t CloseSmallHoles(Mesh& mesh, const EdgeList& edges, std::uint32_t components, std::size_t most);
+std::uint32_t CloseSmallHoles(Mesh& mesh, const EdgeList& edges, std::uint32_t components, std::size_t most,
+                              const base::WorkWatch& watch);
 
 // Each component's front faces out of the body (mesh_orient.cc)   (R.6).
 struct OrientReport {
@@ -67,6 +69,6 @@ struct OrientReport {
 };
 
 // Precondition: mesh.component is filled with numbers below `components`, each component is oriented in itself.
-OrientReport OrientOutwards(Mesh& mesh, std::uint32_t components);
+OrientReport OrientOutwards(Mesh& mesh, std::uint32_t components, const base::WorkWatch& watch);
 
 }  // namespace omni::haptics

@@ -13,20 +13,34 @@ bool EdgeList::Has(std::uint32_t a, std::uint32_t b) const {
   return found != edges.end() && found->key == key;
 }
 
-EdgeList ConnectEdges(Mesh& mesh) {
+EdgeList ConnectEdges(Mesh& mesh, const base::WorkWatch& watch) {
   EdgeList list;
   const std::size_t n = mesh.triangles.size();
   mesh.neighbours.assign(n, {kNoIndex, kNoIndex, kNoIndex});
   std::vector<HalfEdge>& edges = list.edges;
-  edges.reserve(3 * n);
+  // By their smaller vertex first: what is left to sort are the few edges of each vertex.
+  std::vector<std::uint32_t> end(mesh.vertices.size() + 1, 0);
+  const auto smaller = [&](std::uint32_t t, std::uint32_t k) {
+    return std::min(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]);
+  };
   for (std::uint32_t t = 0; t < n; ++t) {
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      edges.push_back({EdgeKey(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]), t, k});
-    }
+    watch.Did();
+    for (std::uint32_t k = 0; k < 3; ++k) ++end[smaller(t, k) + 1];
   }
-  std::sort(edges.begin(), edges.end(), [](const HalfEdge& x, const HalfEdge& y) {
-    return x.key != y.key ? x.key < y.key : x.triangle < y.triangle;
-  });
+  for (std::size_t v = 1; v < end.size(); ++v) end[v] += end[v - 1];
+  edges.resize(3 * n);
+  for (std::uint32_t t = 0; t < n; ++t) {
+    watch.Did();
+    for (std::uint32_t k = 0; k < 3; ++k)
+      edges[end[smaller(t, k)]++] = {EdgeKey(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]), t, k};
+  }
+  for (std::size_t v = 0, first = 0; v + 1 < end.size(); first = end[v++]) {
+    std::sort(edges.begin() + static_cast<std::ptrdiff_t>(first), edges.begin() + end[v],
+              [&](const HalfEdge& x, const HalfEdge& y) {
+                watch.Did();
+                return x.key != y.key ? x.key < y.key : x.triangle < y.triangle;
+              });
+  }
   for (std::size_t i = 0; i < edges.size();) {
     std::size_t end = i + 1;
     while (end < edges.size() && edges[end].key == edges[i].key) ++end;
@@ -55,7 +69,7 @@ std::uint32_t EdgeTo(const Mesh& mesh, std::uint32_t triangle, std::uint32_t a, 
 
 // Breadth first from each unvisited triangle: two neighbours agree if they run through their edge in opposite
 // directions.
-void OrientComponents(Mesh& mesh, TopologyReport& report) {
+void OrientComponents(Mesh& mesh, TopologyReport& report, const base::WorkWatch& watch) {
   const std::size_t n = mesh.triangles.size();
   mesh.component.assign(n, kNoIndex);
   std::vector<std::uint32_t> queue;
@@ -66,6 +80,7 @@ void OrientComponents(Mesh& mesh, TopologyReport& report) {
     mesh.component[seed] = component;
     queue.assign(1, seed);
     for (std::size_t head = 0; head < queue.size(); ++head) {
+      watch.Did();
       const std::uint32_t t = queue[head];
       for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t other = mesh.neighbours[t][k];
@@ -92,31 +107,34 @@ void OrientComponents(Mesh& mesh, TopologyReport& report) {
 
 }  // namespace
 
-TopologyReport ConnectAndOrient(Mesh& mesh) {
+TopologyReport ConnectAndOrient(Mesh& mesh, const base::WorkWatch& watch) {
   TopologyReport report;
   if (mesh.triangles.empty()) return report;
-  EdgeList edges = ConnectEdges(mesh);
+  EdgeList edges = ConnectEdges(mesh, watch);
   const std::size_t most = MostTriangles(mesh.triangles.size());
   SnapBudget budget = SnapBudgetOf(mesh, edges, most);
   for (int round = 0; round < kMaxSnapRounds; ++round) {
-    const std::uint32_t snapped = SnapTJunctions(mesh, edges, budget);
+    const std::uint32_t snapped = SnapTJunctions(mesh, edges, budget, watch);
     if (snapped == 0) break;
     report.snapped += snapped;
-    edges = ConnectEdges(mesh);
+    edges = {};  // two at a time would be the largest part of a build
+    edges = ConnectEdges(mesh, watch);
   }
   report.unsnapped = budget.unsearched;
-  OrientComponents(mesh, report);
-  report.closed_holes = CloseSmallHoles(mesh, edges, report.components, most);
+  OrientComponents(mesh, report, watch);
+  report.closed_holes = CloseSmallHoles(mesh, edges, report.components, most, watch);
   if (report.closed_holes > 0) {
     const TopologyReport before = report;
-    edges = ConnectEdges(mesh);
+    edges = {};
+    edges = ConnectEdges(mesh, watch);
     report.components = report.cut_edges = 0;
-    OrientComponents(mesh, report);
+    OrientComponents(mesh, report, watch);
     report.flipped_triangles = before.flipped_triangles;  // the first time turned all there was to turn
   }
   report.border_edges = static_cast<std::uint32_t>(edges.borders.size());
   report.non_manifold_edges = edges.non_manifold;
-  const OrientReport oriented = OrientOutwards(mesh, report.components);
+  edges = {};
+  const OrientReport oriented = OrientOutwards(mesh, report.components, watch);
   report.flipped_components = oriented.flipped;
   report.cavities = oriented.cavities;
   report.by_volume = oriented.by_volume;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "service/base/vec.h"
+#include "service/base/work_watch.h"
 
 namespace omni::haptics {
 
@@ -60,7 +61,7 @@ struct BuiltTree {
 // (FillPacket). On return `primitives` are in the order of the packets. Precondition: 1 to 4 million primitives,
 // finite.
 BuiltTree AppendTree(std::span<TreePrimitive> primitives, std::vector<TreeNode>& nodes,
-                     std::vector<TrianglePacket>& packets);
+                     std::vector<TrianglePacket>& packets, const base::WorkWatch& watch = {});
 
 // Corner k of the triangle in `lane`, rounded to float.
 inline void FillPacket(TrianglePacket& packet, int lane, int k, const Vec3& corner) {

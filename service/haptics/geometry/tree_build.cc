@@ -122,8 +122,9 @@ int LongestAxis(const FloatBox& box) {
 
 class TreeBuilder {
  public:
-  TreeBuilder(std::span<TreePrimitive> primitives, std::vector<TreeNode>& nodes, std::vector<TrianglePacket>& packets)
-      : primitives_(primitives), nodes_(nodes), packets_(packets) {}
+  TreeBuilder(std::span<TreePrimitive> primitives, std::vector<TreeNode>& nodes, std::vector<TrianglePacket>& packets,
+              const base::WorkWatch& watch)
+      : primitives_(primitives), nodes_(nodes), packets_(packets), watch_(watch) {}
 
   BuiltTree Build() {
     const TreePart all = Measured(0, static_cast<std::uint32_t>(primitives_.size()));
@@ -185,6 +186,7 @@ class TreeBuilder {
   }
 
   std::pair<TreePart, TreePart> SplitInTwo(const TreePart& range, int level) {
+    watch_.Did(1 + range.Size() / 64);  // some nanoseconds each
     if (level > kSahLevels) return AtCount(range, LongestAxis(range.centres), range.Size() / 2);
     if (range.Size() <= 2 * kPacketSize) return AtCount(range, LongestAxis(range.centres), kPacketSize);
     const Binning binning(range.centres);
@@ -280,6 +282,7 @@ class TreeBuilder {
   std::span<TreePrimitive> primitives_;
   std::vector<TreeNode>& nodes_;
   std::vector<TrianglePacket>& packets_;
+  const base::WorkWatch& watch_;
 };
 
 }  // namespace
@@ -301,10 +304,10 @@ TreePrimitive MakePrimitive(std::span<const Vec3> points, std::uint32_t triangle
 }
 
 BuiltTree AppendTree(std::span<TreePrimitive> primitives, std::vector<TreeNode>& nodes,
-                     std::vector<TrianglePacket>& packets) {
+                     std::vector<TrianglePacket>& packets, const base::WorkWatch& watch) {
   nodes.reserve(nodes.size() + primitives.size() / 18 + 1);
   packets.reserve(packets.size() + primitives.size() / 3 + 1);
-  return TreeBuilder(primitives, nodes, packets).Build();
+  return TreeBuilder(primitives, nodes, packets, watch).Build();
 }
 
 }  // namespace omni::haptics

@@ -18,7 +18,7 @@ double SolidAngle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return 2 * std::atan2(Dot(a, Cross(b, c)), la * lb * lc + Dot(a, b) * lc + Dot(b, c) * la + Dot(c, a) * lb);
 }
 
-WindingTree::WindingTree(std::span<const Vec3> vertices, Triangles triangles)
+WindingTree::WindingTree(std::span<const Vec3> vertices, Triangles triangles, const base::WorkWatch& watch)
     : vertices_(vertices), triangles_(triangles), order_(triangles.size()) {
   if (order_.empty()) return;
   std::iota(order_.begin(), order_.end(), 0U);
@@ -28,7 +28,7 @@ WindingTree::WindingTree(std::span<const Vec3> vertices, Triangles triangles)
     centroids[t] = (1.0 / 3) * (a + b + c);
   }
   nodes_.reserve(centroids.size() / 2 + 8);
-  Build(0, static_cast<std::uint32_t>(order_.size()), centroids);
+  Build(0, static_cast<std::uint32_t>(order_.size()), centroids, watch);
   Refit();
 }
 
@@ -38,7 +38,9 @@ std::array<Vec3, 3> WindingTree::CornersOf(std::uint32_t triangle) const {
 }
 
 // Halves along the longest axis: the depth is log2(n / 8), so recursion is shallow.
-std::uint32_t WindingTree::Build(std::uint32_t first, std::uint32_t count, const std::vector<Vec3>& centroids) {
+std::uint32_t WindingTree::Build(std::uint32_t first, std::uint32_t count, const std::vector<Vec3>& centroids,
+                                 const base::WorkWatch& watch) {
+  watch.Did(1 + count / 16);  // tens of nanoseconds each
   const auto index = static_cast<std::uint32_t>(nodes_.size());
   nodes_.emplace_back();
   nodes_[index].first = first;
@@ -55,8 +57,8 @@ std::uint32_t WindingTree::Build(std::uint32_t first, std::uint32_t count, const
   std::nth_element(begin, begin + count / 2, begin + count, [&](std::uint32_t a, std::uint32_t b) {
     return centroids[a].*axis != centroids[b].*axis ? centroids[a].*axis < centroids[b].*axis : a < b;
   });
-  const std::uint32_t left = Build(first, count / 2, centroids);
-  const std::uint32_t right = Build(first + count / 2, count - count / 2, centroids);
+  const std::uint32_t left = Build(first, count / 2, centroids, watch);
+  const std::uint32_t right = Build(first + count / 2, count - count / 2, centroids, watch);
   nodes_[index].left = left;
   nodes_[index].right = right;
   return index;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "service/base/work_watch.h"
 #include "service/haptics/geometry/mesh.h"
 
 namespace omni::haptics {
@@ -20,8 +21,9 @@ class WindingTree {
   using Triangles = std::span<const std::array<std::uint32_t, 3>>;
 
   // What is passed outlives the tree; vertices stay. Precondition: indices in range, vertices finite.
-  WindingTree(std::span<const Vec3> vertices, Triangles triangles);
-  explicit WindingTree(const Mesh& mesh) : WindingTree(mesh.vertices, mesh.triangles) {}
+  WindingTree(std::span<const Vec3> vertices, Triangles triangles, const base::WorkWatch& watch = {});
+  explicit WindingTree(const Mesh& mesh, const base::WorkWatch& watch = {})
+      : WindingTree(mesh.vertices, mesh.triangles, watch) {}
 
   // After triangles were turned.
   void Refit();
@@ -45,7 +47,8 @@ class WindingTree {
     std::uint32_t first = 0, count = 0;  // of order_
     std::uint32_t left = 0, right = 0;   // 0: leaf (the root is never a child)
   };
-  std::uint32_t Build(std::uint32_t first, std::uint32_t count, const std::vector<Vec3>& centroids);
+  std::uint32_t Build(std::uint32_t first, std::uint32_t count, const std::vector<Vec3>& centroids,
+                      const base::WorkWatch& watch);
 
   std::array<Vec3, 3> CornersOf(std::uint32_t triangle) const;
   void FitLeaf(Node& node) const;

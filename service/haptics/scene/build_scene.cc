@@ -98,13 +98,22 @@ std::vector<PickedFace> PickRegions(const std::vector<BuiltObject>& built, Build
 
 class Assembler {
  public:
-  Assembler(const SceneInput& input, SceneParts& parts, BuildReport& report)
-      : input_(input), parts_(parts), report_(report) {
+  Assembler(const SceneInput& input, SceneParts& parts, BuildReport& report, const base::WorkWatch& watch)
+      : input_(input), parts_(parts), report_(report), watch_(watch) {
     parts_.materials = input.materials;
   }
 
   // Precondition: as many calls to AddObject follow as there are objects in `picked`'s scene.
   void AddRegions(const std::vector<PickedFace>& picked, const std::vector<BuiltObject>& built) {
+    std::size_t vertices = 0, triangles = 0;
+    for (const BuiltObject& object : built) {
+      vertices += object.mesh.vertices.size();
+      triangles += object.mesh.triangles.size();
+    }
+    parts_.vertices.reserve(vertices);
+    parts_.triangles.reserve(triangles);
+    parts_.nodes.reserve(triangles / 18 + built.size());
+    parts_.packets.reserve(triangles * 2 / 7 + built.size());
     vertex_region_.resize(built.size());
     for (std::size_t i = 0; i < built.size(); ++i) vertex_region_[i].assign(built[i].mesh.vertices.size(), kNoIndex);
     for (const PickedFace& p : picked) {
@@ -135,6 +144,8 @@ class Assembler {
       AddUv(mesh, order, built.object);
       clock.AddTo(report_.layout_ms);
     }
+    built.mesh = {};
+    vertex_region_[index] = {};
     parts_.objects.push_back(built.object);
   }
 
@@ -149,18 +160,24 @@ class Assembler {
     const Mesh& mesh = built.mesh;
     PhaseClock clock;
     std::vector<TreePrimitive> primitives(mesh.triangles.size());
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) primitives[t] = Reach(index, mesh, t);
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      watch_.Did();
+      primitives[t] = Reach(index, mesh, t);
+    }
     const auto first_packet = static_cast<std::uint32_t>(parts_.packets.size());
-    const BuiltTree tree = AppendTree(primitives, parts_.nodes, parts_.packets);
+    const BuiltTree tree = AppendTree(primitives, parts_.nodes, parts_.packets, watch_);
     built.object.root = tree.root;
     std::copy_n(tree.lower, 3, built.object.lower_base_m);
     std::copy_n(tree.upper, 3, built.object.upper_base_m);
     clock.AddTo(report_.tree_ms);
     Order order;
+    order.triangles.reserve(mesh.triangles.size());
+    order.vertices.reserve(mesh.vertices.size());
     order.triangle_place.resize(mesh.triangles.size());
     order.vertex_place.assign(mesh.vertices.size(), kNoIndex);
     const auto first_vertex = static_cast<std::uint32_t>(parts_.vertices.size());
     for (const TreePrimitive& p : primitives) {
+      watch_.Did();
       order.triangle_place[p.triangle] =
           built.object.first_triangle + static_cast<std::uint32_t>(order.triangles.size());
       order.triangles.push_back(p.triangle);
@@ -171,7 +188,10 @@ class Assembler {
       }
     }
     clock.AddTo(report_.layout_ms);
-    for (std::size_t i = first_packet; i < parts_.packets.size(); ++i) Fill(mesh, order, parts_.packets[i]);
+    for (std::size_t i = first_packet; i < parts_.packets.size(); ++i) {
+      watch_.Did(kPacketSize);
+      Fill(mesh, order, parts_.packets[i]);
+    }
     clock.AddTo(report_.tree_ms);
     return order;
   }
@@ -186,16 +206,16 @@ class Assembler {
   }
 
   void AddVertices(std::size_t index, const Mesh& mesh, const Order& order) {
-    parts_.vertices.reserve(parts_.vertices.size() + mesh.vertices.size());
     for (const std::uint32_t v : order.vertices) {
+      watch_.Did();
       const Vec3& p = mesh.vertices[v];
       parts_.vertices.push_back({p.x, p.y, p.z, vertex_region_[index][v], kNoIndex});
     }
   }
 
   void AddTriangles(std::size_t index, const Mesh& mesh, const Order& order) {
-    parts_.triangles.reserve(parts_.triangles.size() + mesh.triangles.size());
     for (const std::uint32_t t : order.triangles) {
+      watch_.Did();
       Triangle triangle{};
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = order.vertex_place[mesh.triangles[t][k]];
@@ -241,20 +261,25 @@ class Assembler {
   const SceneInput& input_;
   SceneParts& parts_;
   BuildReport& report_;
+  const base::WorkWatch& watch_;
   std::vector<std::vector<std::uint32_t>> vertex_region_;
 };
 
-BuiltObject BuildObject(const SceneInput& input, std::size_t index, BuildReport& report) {
-  const InputObject& source = input.objects[index];
+BuiltObject BuildObject(SceneInput& input, std::size_t index, BuildReport& report, const base::WorkWatch& watch) {
+  InputObject& source = input.objects[index];
   BuiltObject built;
   RepairCounts repair;
   PhaseClock clock;
-  built.mesh = RepairMesh(source, repair);
+  built.mesh = RepairMesh(source, repair, watch);
+  source.vertices_base_m = {};
+  source.triangles = {};
+  source.triangle_material = {};
+  source.uv = {};
   clock.AddTo(report.repair_ms);
-  const TopologyReport topology = ConnectAndOrient(built.mesh);
+  const TopologyReport topology = ConnectAndOrient(built.mesh, watch);
   clock.AddTo(report.topology_ms);
   Explain(Where(source, index), built.mesh, repair, topology, report);
-  built.faces = FindFaces(built.mesh, input.materials);
+  built.faces = FindFaces(built.mesh, input.materials, watch);
   CopyName(source.name, built.object.name);
   built.object.component_count = topology.components;
   const bool closed = topology.IsClosed();
@@ -314,16 +339,18 @@ void FillHeader(const SceneInput& input, SceneParts& parts) {
 
 }  // namespace
 
-base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report) {
+namespace {
+
+base::Result<Scene> Build(SceneInput& input, BuildReport& report, const base::WorkWatch& watch) {
   const auto start = std::chrono::steady_clock::now();
   report = {};
   const Status checked = CheckInput(input);
   if (!checked.ok()) return Error{checked.error()};
   std::vector<BuiltObject> built;
   built.reserve(input.objects.size());
-  for (std::size_t i = 0; i < input.objects.size(); ++i) built.push_back(BuildObject(input, i, report));
+  for (std::size_t i = 0; i < input.objects.size(); ++i) built.push_back(BuildObject(input, i, report, watch));
   SceneParts parts;
-  Assembler assembler(input, parts, report);
+  Assembler assembler(input, parts, report, watch);
   assembler.AddRegions(PickRegions(built, report), built);
   for (std::size_t i = 0; i < built.size(); ++i) assembler.AddObject(i, built[i]);
   if (parts.triangles.empty()) {
@@ -331,13 +358,23 @@ base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report) {
   }
   AddTextures(input, parts);
   FillHeader(input, parts);
-  BuildWalls(parts);
+  BuildWalls(parts, watch);
   PhaseClock clock;
-  Scene scene = MakeScene(parts);
+  Scene scene = MakeScene(std::move(parts), watch);
   clock.AddTo(report.layout_ms);
   for (std::string& line : ExplainWalls(scene)) report.lines.push_back(std::move(line));
   report.build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return scene;
+}
+
+}  // namespace
+
+base::Result<Scene> BuildScene(SceneInput input, BuildReport& report, const base::WorkWatch& watch) {
+  try {
+    return Build(input, report, watch);
+  } catch (const base::Cancelled& cancelled) {
+    return Error{cancelled.what()};
+  }
 }
 
 }  // namespace omni::haptics

@@ -13,6 +13,7 @@
 #include "service/base/big_block.h"
 #include "service/base/result.h"
 #include "service/base/vec.h"
+#include "service/base/work_watch.h"
 #include "service/haptics/geometry/tree.h"
 #include "service/haptics/scene/material.h"
 #include "service/haptics/scene/scene_input.h"
@@ -163,6 +164,7 @@ inline constexpr double kMaxCoordinate_m = 10;  // |x| of a vertex; beyond, a wr
 
 // Welds vertices, drops degenerate and non-finite triangles, orients closed objects outwards, finds neighbours and
 // extrude regions, builds the trees. Bounds of nodes include every offset an extrude region can take.
-base::Result<Scene> BuildScene(const SceneInput& input, BuildReport& report);
+// `input` is freed object by object. Ended by `watch`: the error "cancelled".
+base::Result<Scene> BuildScene(SceneInput input, BuildReport& report, const base::WorkWatch& watch = {});
 
 }  // namespace omni::haptics

@@ -1,5 +1,6 @@
 #include "service/haptics/scene/scene_block.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace omni::haptics {
@@ -9,31 +10,48 @@ class Writer {
   static constexpr std::size_t kAlignment = 64;  // a cache line
 
  public:
-  explicit Writer(std::size_t bytes) : block_(bytes) {}
+  Writer(std::size_t bytes, const base::WorkWatch& watch) : block_(bytes), watch_(watch) {}
 
   template <class T>
   static constexpr std::size_t Aligned(std::size_t count) {
     return (count * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
   }
   template <class T>
-  std::uint64_t Put(const std::vector<T>& values) {
-    const std::size_t offset = used_;
-    if (!values.empty()) std::memcpy(block_.data() + offset, values.data(), values.size() * sizeof(T));
-    used_ += Aligned<T>(values.size());
+  std::uint64_t Put(std::vector<T>& values) {
+    const std::size_t offset = used_, bytes = values.size() * sizeof(T);
+    for (std::size_t done = 0; done < bytes; done += kChunk) {
+      const std::size_t now = std::min(kChunk, bytes - done);
+      std::memcpy(block_.data() + offset + done, reinterpret_cast<const std::byte*>(values.data()) + done, now);
+      watch_.Did(now / 1024);
+    }
+    Clear(offset + bytes, Aligned<T>(values.size()) - bytes);
+    values = {};
     return offset;
+  }
+  void PutHeader(const SceneHeader& header, std::size_t bytes) {
+    std::memcpy(block_.data(), &header, sizeof header);
+    std::memset(block_.data() + sizeof header, 0, bytes - sizeof header);
   }
   void Skip(std::size_t bytes) { used_ += bytes; }
   SceneBlock Take() { return std::move(block_); }
-  void PutHeader(const SceneHeader& header) { std::memcpy(block_.data(), &header, sizeof header); }
 
  private:
-  SceneBlock block_;
+  static constexpr std::size_t kChunk = 1 << 20;
+
+  // What lies between two parts: equal parts give equal bytes.
+  void Clear(std::size_t from, std::size_t bytes) {
+    std::memset(block_.data() + from, 0, bytes);
+    used_ = from + bytes;
+  }
+
+  SceneBlock block_;  // not zero when it is made
+  const base::WorkWatch& watch_;
   std::size_t used_ = 0;
 };
 
 }  // namespace
 
-Scene MakeScene(const SceneParts& parts) {
+Scene MakeScene(SceneParts parts, const base::WorkWatch& watch) {
   const std::size_t header_bytes = Writer::Aligned<SceneHeader>(1);
   const std::size_t bytes =
       header_bytes + Writer::Aligned<Material>(parts.materials.size()) +
@@ -43,7 +61,7 @@ Scene MakeScene(const SceneParts& parts) {
       Writer::Aligned<WallNode>(parts.wall_nodes.size()) + Writer::Aligned<WallSegment>(parts.wall_segments.size()) +
       Writer::Aligned<Texture>(parts.textures.size()) + Writer::Aligned<std::uint8_t>(parts.texels.size()) +
       Writer::Aligned<CornerUv>(parts.uvs.size());
-  Writer writer(bytes);
+  Writer writer(bytes, watch);
   SceneHeader header = parts.header;
   header.magic = kSceneMagic;
   header.version = kSceneVersion;
@@ -73,7 +91,7 @@ Scene MakeScene(const SceneParts& parts) {
   header.textures = writer.Put(parts.textures);
   header.texels = writer.Put(parts.texels);
   header.uvs = writer.Put(parts.uvs);
-  writer.PutHeader(header);
+  writer.PutHeader(header, header_bytes);
   return Scene(writer.Take());
 }
 

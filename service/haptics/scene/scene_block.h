@@ -26,7 +26,7 @@ struct SceneParts {
   std::vector<CornerUv> uvs;
 };
 
-// Fills in counts, offsets and the content hash; equal parts give equal hashes.
-Scene MakeScene(const SceneParts& parts);
+// Fills in counts and offsets. Each part is freed once it is in the block: both together would be twice the scene.
+Scene MakeScene(SceneParts parts, const base::WorkWatch& watch);
 
 }  // namespace omni::haptics

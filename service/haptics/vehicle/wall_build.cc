@@ -41,7 +41,8 @@ float RoundedUp(double x) { return std::nextafter(static_cast<float>(x), std::nu
 // Halves the segments at the median of the longer side, so that the depth is that of a balanced tree.
 class TreeBuilder {
  public:
-  explicit TreeBuilder(SceneParts& parts) : segments_(parts.wall_segments), nodes_(parts.wall_nodes) {}
+  TreeBuilder(SceneParts& parts, const base::WorkWatch& watch)
+      : segments_(parts.wall_segments), nodes_(parts.wall_nodes), watch_(watch) {}
 
   void Build() {
     if (segments_.empty()) return;
@@ -62,7 +63,10 @@ class TreeBuilder {
     const std::uint32_t middle = first + (last - first) / 2;
     const auto place = [by_x](const WallSegment& s) { return by_x ? s.ax + s.bx : s.ay + s.by; };
     std::stable_sort(segments_.begin() + first, segments_.begin() + last,
-                     [&](const WallSegment& a, const WallSegment& b) { return place(a) < place(b); });
+                     [&](const WallSegment& a, const WallSegment& b) {
+                       watch_.Did();
+                       return place(a) < place(b);
+                     });
     node.first = static_cast<std::uint32_t>(nodes_.size());
     node.count = 0;
     nodes_[at] = node;
@@ -85,22 +89,24 @@ class TreeBuilder {
 
   std::vector<WallSegment>& segments_;
   std::vector<WallNode>& nodes_;
+  const base::WorkWatch& watch_;
 };
 
 std::string Millimetres(double metres) { return NumberText(1e3 * metres) + " mm"; }
 
 }  // namespace
 
-void BuildWalls(SceneParts& parts) {
+void BuildWalls(SceneParts& parts, const base::WorkWatch& watch) {
   if (parts.header.has_vehicle == 0) return;
   const double z = parts.header.vehicle.start_base_m.z;
   for (const Object& object : parts.objects) {
     if ((object.flags & kCarWall) == 0) continue;
     for (std::uint32_t t = 0; t < object.triangle_count; ++t) {
+      watch.Did();
       CutTriangle(parts, parts.triangles[object.first_triangle + t], z, parts.wall_segments);
     }
   }
-  TreeBuilder(parts).Build();
+  TreeBuilder(parts, watch).Build();
 }
 
 std::vector<std::string> ExplainWalls(const Scene& scene) {

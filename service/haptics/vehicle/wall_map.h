@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "service/base/vec.h"
+#include "service/base/work_watch.h"
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/scene/scene_block.h"
 
@@ -49,7 +50,7 @@ WallTouch FirstTouch(const WallMap& walls, const Vec3& p, const Vec3& motion, do
 // Cuts the objects marked as car walls with the plane the car drives on, once, when a scene is built (wall_build.cc).
 // Fills parts.wall_segments and parts.wall_nodes. A corner is below the plane or not, and edges between the two kinds
 // are cut, so closed meshes give closed outlines; ground below the plane is not cut. Extruded walls count as at rest.
-void BuildWalls(SceneParts& parts);
+void BuildWalls(SceneParts& parts, const base::WorkWatch& watch);
 
 // A car that starts inside a wall could never move, one without walls never hits, a checkpoint inside a wall cannot be
 // passed: one line each, for people.
