@@ -68,6 +68,8 @@ base::Result<BuildEstimate> EstimateSceneFile(const std::string& path, const Loa
   LoadReport report;
   try {
     return EstimateBuild(SceneReader(path, options, report).Count());
+  } catch (const base::Cancelled& cancelled) {
+    return base::Error{cancelled.what()};
   } catch (const std::bad_alloc&) {
     return base::Error{path + ": does not fit into memory; simplify the model"};
   } catch (const std::exception& error) {

@@ -46,6 +46,8 @@ base::Result<haptics::Scene> Timed(const std::string& path, LoadReport& load, ha
     scene = work();
   } catch (const std::bad_alloc&) {
     throw;
+  } catch (const base::Cancelled& cancelled) {
+    scene = base::Error{cancelled.what()};
   } catch (const std::exception& error) {
     scene = base::Error{path + ": " + error.what()};
   }
@@ -59,10 +61,14 @@ base::Result<haptics::Scene> Load(const std::string& path, const LoadOptions& op
   if (!steps.admit(NeedOf(EstimateBuild(reader->Count())))) return base::Error{path + ": is not loaded"};
   if (!reader->ReadBytes()) return haptics::Scene();
   if (!steps.build(reader->FinishDigest())) return base::Error{path + ": is not built"};
-  const haptics::SceneInput input = reader->MakeInput();
+  haptics::SceneInput input = reader->MakeInput();
   reader.reset();  // document and decoded meshes: 24 bytes of a triangle
-  base::Result<haptics::Scene> scene = haptics::BuildScene(input, build);
+  const base::WorkWatch never;
+  const base::WorkWatch& watch = options.watch ? *options.watch : never;
+  base::Result<haptics::Scene> scene = haptics::BuildScene(std::move(input), build, watch);
+  if (!scene.ok() && scene.error() == base::Cancelled::kWords) return scene;
   if (!scene.ok()) return base::Error{path + ": " + scene.error()};
+  watch.Ask();  // nothing of a load that is cancelled is kept
   return scene;
 }
 

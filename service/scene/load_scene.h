@@ -23,7 +23,8 @@ namespace omni::scene {
 inline constexpr std::uint32_t kCachedFromTriangles = 5000;
 
 // `cache` may be null. An untagged file gives the empty scene unless `options` request it (LoadReport::skipped).
-// Reports are filled on failure too. Errors: "<file>: <JSON pointer or object>: what, limit, what to do".
+// Ended by options.watch: the error "cancelled", without a cache entry. Reports are filled on failure too. Errors:
+// "<file>: <JSON pointer or object>: what, limit, what to do".
 base::Result<haptics::Scene> LoadScene(const std::string& path, const LoadOptions& options, CacheStore* cache,
                                        LoadReport& load, haptics::BuildReport& build);
 

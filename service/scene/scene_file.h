@@ -8,6 +8,7 @@
 
 #include "service/base/result.h"
 #include "service/base/vec.h"
+#include "service/base/work_watch.h"
 #include "service/haptics/scene/scene_input.h"
 
 namespace omni::scene {
@@ -28,6 +29,7 @@ struct LoadOptions {
   base::Vec3 offset_base_m;
   double scale = 1;
   double hull_radius_m = 0.0375;
+  const base::WorkWatch* watch = nullptr;  // outlives the load, which it can end: the error "cancelled"
   std::uint64_t max_file_bytes = 1ull << 30;
   FilesBeside* beside = nullptr;  // with `memory`: those beside the document; null: there are none
   std::uint32_t max_nodes = 100'000;

@@ -54,7 +54,11 @@ ObjectSource SourceOf(const NodeVisit& node) {
 class SceneReader::Loader {
  public:
   Loader(std::string path, const LoadOptions& options, LoadReport& report)
-      : path_(std::move(path)), options_(options), report_(report), warnings_(path_, report.warnings) {}
+      : path_(std::move(path)),
+        options_(options),
+        report_(report),
+        watch_(options.watch ? *options.watch : never_),
+        warnings_(path_, report.warnings) {}
 
   SceneCounts Count() {
     ReadJson();
@@ -272,8 +276,8 @@ class SceneReader::Loader {
   }
 
   void DecodeMeshes() {
-    DecodedSubset decoded = DecodeSubset(subset_);
-    textures_.Decode();
+    DecodedSubset decoded = DecodeSubset(subset_, watch_);
+    textures_.Decode(watch_);
     report_.images_decoded = textures_.images_decoded();
     subset_.bytes = {};
     subset_.accessors = {};
@@ -352,6 +356,7 @@ class SceneReader::Loader {
     haptics::InputObject part;
     part.vertices_base_m.reserve(decoded.positions.size());
     for (const base::Vec3& p : decoded.positions) {
+      watch_.Did();
       const base::Vec3 placed = ToBase(place * glm::dvec4(p.x, p.y, p.z, 1));
       if (!(std::abs(placed.x) <= 1e12 && std::abs(placed.y) <= 1e12 && std::abs(placed.z) <= 1e12)) {
         throw LoadError(node.pointer, "places a vertex beyond 1e12 m; check its transform");
@@ -397,6 +402,8 @@ class SceneReader::Loader {
   const std::string path_;
   const LoadOptions options_;
   LoadReport& report_;
+  const base::WorkWatch never_;
+  const base::WorkWatch& watch_;
   Warnings warnings_;
   GltfFile file_;
   std::vector<NodeVisit> nodes_;
@@ -431,6 +438,8 @@ base::Result<haptics::SceneInput> LoadSceneFile(const std::string& path, const L
     haptics::SceneInput nothing;
     nothing.name = "untagged";
     return nothing;
+  } catch (const base::Cancelled& cancelled) {
+    return base::Error{cancelled.what()};
   } catch (const std::bad_alloc&) {
     return base::Error{path + ": does not fit into memory; simplify the model"};
   } catch (const std::exception& error) {

@@ -63,18 +63,19 @@ void FileBytes::Read(std::uint64_t offset, void* to, std::size_t count) {
                             std::to_string(offset) + " are needed; the file is truncated, copy or export it again");
   }
   auto* out = static_cast<std::byte*>(to);
-  const std::span<const std::byte> all(out, count);
+  constexpr std::size_t kChunk = 1 << 20;
   while (count > 0) {
-    const ssize_t got = pread(descriptor_, out, count, static_cast<off_t>(offset));
+    const ssize_t got = pread(descriptor_, out, std::min(count, kChunk), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) throw LoadError("", "cannot be read (" + ReasonOf(errno) + ")");
     if (got == 0) throw LoadError("", "became shorter while it was read; wait until it is written, then load it again");
+    if (digest_) digest_->Add({out, static_cast<std::size_t>(got)});
+    if (watch_) watch_->Did(static_cast<std::uint64_t>(got) / 1024);
     out += got;
     offset += static_cast<std::uint64_t>(got);
     count -= static_cast<std::size_t>(got);
     bytes_read_ += static_cast<std::uint64_t>(got);
   }
-  if (digest_) digest_->Add(all);
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "service/base/work_watch.h"
 #include "service/scene/cache/sha256.h"
 #include "service/scene/scene_file.h"
 
@@ -34,6 +35,9 @@ class FileBytes {
   // Everything read from now on is added to `digest`, which outlives this.
   void AddTo(Sha256* digest) { digest_ = digest; }
 
+  // Reading can be ended by `watch`, which outlives this.
+  void WatchBy(const base::WorkWatch* watch) { watch_ = watch; }
+
   std::uint64_t size() const { return size_; }
   std::uint64_t bytes_read() const { return bytes_read_; }
 
@@ -47,6 +51,7 @@ class FileBytes {
   std::uint64_t size_ = 0;
   std::uint64_t bytes_read_ = 0;
   Sha256* digest_ = nullptr;
+  const base::WorkWatch* watch_ = nullptr;
 };
 
 // URIs of glTF buffers: embedded data, and names of files beside the document.

@@ -128,7 +128,7 @@ std::vector<base::Vec3> Kept(const Elements& elements, const std::vector<std::ui
 // The cost depends on the primitive's triangles, not on the vertices that only others use.
 class Decoder {
  public:
-  explicit Decoder(const Subset& subset) : subset_(subset) {}
+  Decoder(const Subset& subset, const base::WorkWatch& watch) : subset_(subset), watch_(watch) {}
 
   DecodedPrimitive Decode(const SubsetPrimitive& primitive) {
     const Elements& positions = ElementsOf(primitive.positions);
@@ -137,6 +137,7 @@ class Decoder {
     std::vector<std::uint32_t> kept;  // vertices, in the order of decoded.positions
     if (numbers_.size() < positions.count()) numbers_.resize(positions.count(), kUnused);
     for (std::size_t i = 0; i < corners.size(); ++i) {
+      watch_.Did();
       std::uint32_t& number = numbers_[corners[i]];
       if (number == kUnused) {
         number = static_cast<std::uint32_t>(decoded.positions.size());
@@ -192,6 +193,7 @@ class Decoder {
     std::vector<std::uint32_t> run;
     run.reserve(indices.count());
     for (std::size_t i = 0; i < indices.count(); ++i) {
+      watch_.Did();
       const double index = indices[i][0];
       if (!(index < static_cast<double>(vertices))) {
         throw LoadError(primitive.pointer + "/indices", "index " + std::to_string(i) + " names vertex " +
@@ -213,15 +215,16 @@ class Decoder {
   }
 
   const Subset& subset_;
+  const base::WorkWatch& watch_;
   std::map<std::size_t, Elements> elements_;  // by accessor
   std::vector<std::uint32_t> numbers_;        // of the present primitive's vertices; kUnused between two of them
 };
 
 }  // namespace
 
-DecodedSubset DecodeSubset(const Subset& subset) {
+DecodedSubset DecodeSubset(const Subset& subset, const base::WorkWatch& watch) {
   DecodedSubset decoded;
-  Decoder decoder(subset);
+  Decoder decoder(subset, watch);
   std::size_t triangles = 0;
   for (const SubsetPrimitive& primitive : subset.primitives) {
     if (!primitive.skipped.empty()) continue;

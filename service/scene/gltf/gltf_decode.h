@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "service/base/vec.h"
+#include "service/base/work_watch.h"
 #include "service/haptics/scene/scene_input.h"
 #include "service/scene/gltf/gltf_subset.h"
 
@@ -32,6 +33,6 @@ struct DecodedSubset {
 };
 
 // Throws LoadError: an index beyond the vertices, a vertex or transform that is not finite.
-DecodedSubset DecodeSubset(const Subset& subset);
+DecodedSubset DecodeSubset(const Subset& subset, const base::WorkWatch& watch = {});
 
 }  // namespace omni::scene

@@ -30,6 +30,8 @@ void GltfFile::Open(const std::string& path, const LoadOptions& options, LoadRep
   max_file_bytes_ = options.max_file_bytes;
   in_memory_ = options.memory >= 0;
   beside_ = options.beside;
+  watch_ = options.watch;
+  file_.WatchBy(watch_);
   if (in_memory_) {
     file_.OpenDescriptor(options.memory, max_file_bytes_);
   } else {
@@ -123,6 +125,7 @@ FileBytes& GltfFile::OpenBeside(const std::string& uri, const std::string& point
   const std::filesystem::path file = std::filesystem::path(path_).parent_path() / name;
   FileBytes& bytes = external_.emplace_back();
   bytes.AddTo(&digest_);
+  bytes.WatchBy(watch_);
   try {
     if (in_memory_) {
       bytes.TakeDescriptor(beside_->OpenBeside(name), max_file_bytes_);

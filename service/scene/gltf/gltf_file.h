@@ -48,6 +48,7 @@ class GltfFile {
   std::string path_;
   bool in_memory_ = false;
   FilesBeside* beside_ = nullptr;
+  const base::WorkWatch* watch_ = nullptr;
   std::uint64_t max_file_bytes_ = 0;
   Sha256 digest_;
   FileBytes file_;

@@ -188,10 +188,11 @@ TextureSizes TextureReader::Measure() const {
   return sizes;
 }
 
-void TextureReader::Decode() {
+void TextureReader::Decode(const base::WorkWatch& watch) {
   std::uint64_t left = haptics::kMaxTexels;
   for (Image& image : images_) {
     if (image.stored.empty()) continue;
+    watch.Ask();
     try {
       image.image = RedOf(image.stored, std::min(kMaxImagePixels, left), image.pointer);
       left -= image.image.texels.size();

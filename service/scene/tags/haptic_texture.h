@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "service/base/work_watch.h"
 #include "service/haptics/scene/scene_input.h"
 #include "service/scene/gltf/gltf_file.h"
 #include "service/scene/gltf/json_reading.h"
@@ -41,7 +42,7 @@ class TextureReader {
   TextureSizes Measure() const;
 
   // Decodes what was read (PNG, JPEG). Once, before IndexOf.
-  void Decode();
+  void Decode(const base::WorkWatch& watch);
 
   // Index into `input.textures`, made on first use; -1: there is none.
   std::int32_t IndexOf(const TextureUse& use, haptics::SceneInput& input);
