@@ -17,7 +17,7 @@ constexpr int kMaxRounds = 8;
 constexpr double kSure = 0.02;  // a sheet's winding number on itself is 0, within the tree's error
 
 // What may be spent, in nodes and triangles visited: about as much as the rest of the build takes.
-constexpr std::uint64_t kWork = 200'000, kWorkPerTriangle = 64;
+constexpr std::uint64_t kWork = 200'000, kWorkPerTriangle = 32;
 constexpr std::uint64_t kComparedPerWork = 4;  // pairs of boxes
 
 struct Part {
