@@ -18,10 +18,13 @@ void CancelEvent::Set() noexcept {
 }
 
 base::Result<haptics::Scene> BuildHere::BuildScene(const std::string& file, const scene::LoadOptions& options,
-                                                   const scene::LoadSteps& steps, const CancelEvent& /*cancel*/,
+                                                   const scene::LoadSteps& steps, const CancelEvent& cancel,
                                                    scene::LoadReport& load, haptics::BuildReport& report) const {
+  const base::WorkWatch watch([&] { return cancel.is_set(); });
+  scene::LoadOptions watched = options;
+  watched.watch = &watch;
   try {
-    return scene::LoadInSteps(file, options, steps, load, report);
+    return scene::LoadInSteps(file, watched, steps, load, report);
   } catch (const std::bad_alloc&) {
     return base::Error{file + ": does not fit into memory; simplify the model"};
   }
