@@ -268,7 +268,7 @@ inline Soup Book(std::size_t n) {  // all along one edge
   return soup;
 }
 
-// All but one vertex in a cube so small that its places are hardly told apart.
+// All but one vertex in a cube so small that its places are hardly distinct.
 inline Soup Crowd(std::size_t n) {
   Soup soup;
   Dice dice;
