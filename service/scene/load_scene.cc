@@ -77,8 +77,8 @@ constexpr std::uint64_t kProgram = 12 * kMiB;      // of the process that builds
 constexpr std::uint64_t kPerJsonByte = 40;         // documents whose values are as short as can be
 constexpr std::uint64_t kMostOfJson = 512 * kMiB;  // the limits of json_reading.h
 constexpr std::uint64_t kMostBytes = 1ull << 50;   // of sums that are kept in range
-constexpr std::uint64_t kSoftPeak = 96 * kMiB;     // of the solver, with the most nodes
-constexpr std::uint64_t kSoftPerTriangle = 400;    // of the mesh's tree and skin
+constexpr std::uint64_t kSolverPeak = 96 * kMiB;   // of the solver, with the most nodes
+constexpr std::uint64_t kSolverPerTriangle = 400;  // of the mesh's tree and skin
 
 }  // namespace
 
@@ -88,9 +88,9 @@ BuildNeed NeedToRead(std::uint64_t json_bytes, std::uint64_t file_bytes) {
 }
 
 // The estimate holds for the worst mesh, of which repair makes more, without a corner in common. One that is sound
-// takes 285 bytes of 390 for each triangle. One that takes more than this share is refused by its builder.
+// takes 285 bytes of 420 for each triangle. One that takes more than this share is refused by its builder.
 BuildNeed NeedOf(const BuildEstimate& estimate) {
-  constexpr double kShare = 0.74;
+  constexpr double kShare = 0.7;
   const auto share =
       static_cast<std::uint64_t>(kShare * static_cast<double>(std::min(estimate.peak_bytes, kMostBytes)));
   return {estimate.kept_bytes, kProgram + std::max(share, 2 * std::min(estimate.kept_bytes, kMostBytes))};
@@ -98,7 +98,7 @@ BuildNeed NeedOf(const BuildEstimate& estimate) {
 
 BuildNeed NeedOf(const haptics::Mesh& mesh, const haptics::SoftBodyOptions& options) {
   const std::uint64_t kept = haptics::MostSoftBytes(options) + 16 * mesh.vertices.size() + kMiB;
-  return {kept, kProgram + kSoftPeak + 2 * kept + kSoftPerTriangle * mesh.triangles.size()};
+  return {kept, kProgram + kSolverPeak + 2 * kept + kSolverPerTriangle * mesh.triangles.size()};
 }
 
 std::uint64_t FileBytesOf(int descriptor) {
