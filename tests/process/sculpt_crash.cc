@@ -156,6 +156,7 @@ void ExpectStrokesSurvive(int crashes, bool print) {
     if (print) {
       std::printf("%5d  %8.0f  %11s  %14d  %8d  %4d  %s\n", k, crash.ms, crash.open ? "yes" : "no", crash.before,
                   crash.restored, lost, crash.same ? "yes" : "NO");
+      std::fflush(stdout);
     }
     EXPECT_LE(lost, 1) << "crash " << k;
     EXPECT_TRUE(crash.same) << "crash " << k;
