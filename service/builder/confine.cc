@@ -93,7 +93,7 @@ base::Status Retire() {
   return written ? base::Status(base::Ok{}) : Failed("/proc/self/oom_score_adj", error);
 }
 
-base::Status Confine() {
+base::Status ConfineItself() {
   const Filter filter(seccomp_init(SCMP_ACT_KILL_PROCESS), [](scmp_filter_ctx made) { seccomp_release(made); });
   if (filter == nullptr) return Failed("seccomp_init", ENOMEM);
   if (!AddRules(filter)) return Failed("a rule of seccomp", EINVAL);

@@ -14,6 +14,6 @@ base::Status Retire();
 
 // From here on every system call but those of confine.cc ends this process (SIGSYS): among them any that opens, makes,
 // connects, starts or signals something, or that turns memory into code. Cannot be undone.
-base::Status Confine();
+base::Status ConfineItself();
 
 }  // namespace omni::builder

@@ -232,7 +232,7 @@ void BuildSoftBody(Message& request) {
 }
 
 int Run() {
-  for (const auto step : {Retire, Confine}) {
+  for (const auto step : {Retire, ConfineItself}) {
     const base::Status done = step();
     if (done.ok()) continue;
     Send(Finished{.text_bytes = static_cast<std::uint32_t>(done.error().size())}, done.error());

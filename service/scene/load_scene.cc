@@ -58,7 +58,7 @@ base::Result<haptics::Scene> Timed(const std::string& path, LoadReport& load, ha
 base::Result<haptics::Scene> Load(const std::string& path, const LoadOptions& options, const LoadSteps& steps,
                                   LoadReport& load, haptics::BuildReport& build) {
   auto reader = std::make_unique<SceneReader>(path, options, load);
-  if (!steps.admit(NeedOf(EstimateBuild(reader->Count())))) return base::Error{path + ": is not loaded"};
+  if (steps.admit && !steps.admit(NeedOf(EstimateBuild(reader->Count())))) return base::Error{path + ": is not loaded"};
   if (!reader->ReadBytes()) return haptics::Scene();
   if (!steps.build(reader->FinishDigest())) return base::Error{path + ": is not built"};
   haptics::SceneInput input = reader->MakeInput();
@@ -159,13 +159,11 @@ base::Result<haptics::Scene> LoadScene(const std::string& path, const LoadOption
   const auto load_cached = [&]() -> base::Result<haptics::Scene> {
     std::optional<CachedPlace> place;
     std::optional<haptics::Scene> cached;
-    const LoadSteps steps{.admit = [](const BuildNeed& /*need*/) { return true; },
-                          .build =
-                              [&](const Digest& bytes) {
-                                place.emplace(cache, path, options, bytes);
-                                cached = place->Take(load, build);
-                                return !cached;
-                              }};
+    const LoadSteps steps{.admit = {}, .build = [&](const Digest& bytes) {
+                            place.emplace(cache, path, options, bytes);
+                            cached = place->Take(load, build);
+                            return !cached;
+                          }};
     base::Result<haptics::Scene> scene = Load(path, options, steps, load, build);
     if (cached) return std::move(*cached);
     if (scene.ok() && !scene->empty() && cache) {

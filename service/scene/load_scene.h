@@ -39,7 +39,7 @@ BuildNeed NeedOf(const haptics::Mesh& mesh, const haptics::SoftBodyOptions& opti
 // The same in steps, without a cache, for callers that decide between them. Each returns whether to go on; when it is
 // false the load ends with an error that only says so. Throws std::bad_alloc.
 struct LoadSteps {
-  std::function<bool(const BuildNeed& need)> admit;  // the JSON has been read, and no mesh
+  std::function<bool(const BuildNeed& need)> admit;  // the JSON has been read, and no mesh; empty: yes
   std::function<bool(const Digest& bytes)> build;    // all bytes have been read; this is the hash of them
 };
 base::Result<haptics::Scene> LoadInSteps(const std::string& path, const LoadOptions& options, const LoadSteps& steps,

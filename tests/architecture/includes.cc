@@ -67,7 +67,7 @@ std::set<std::string> AnyService() {
   std::set<std::string> all{"firmware/wire"};
   for (const char* name : {"base", "console",     "protocol", "config", "alignment", "magnetics", "tracker",
                            "room", "calibration", "haptics",  "scene",  "actuation", "device",    "sim",
-                           "loop", "ipc",         "client",   "daemon", "monitor",   "tools"}) {
+                           "loop", "ipc",         "client",   "daemon", "monitor",   "tools",     "builder"}) {
     all.insert(std::string("service/") + name);
   }
   return all;
@@ -98,6 +98,7 @@ const std::vector<Rule>& Rules() {
       {"service/loop", {"service/base", "service/tracker", "service/haptics", "service/actuation"}},
       {"service/ipc", {"service/base", "service/protocol"}},
       {"service/client", {"service/base", "service/protocol"}},
+      {"service/builder", {"service/base", "service/haptics", "service/protocol", "service/scene"}},
       {"service/twin",
        {"service/base", "service/console", "service/config", "service/protocol", "service/sim", "service/ipc"}},
       {"layer", {"service/base", "service/protocol", "service/client"}},
@@ -116,6 +117,7 @@ const std::vector<Confined>& ConfinedHeaders() {
       {"tiny_gltf.h", {"tests/scene/decode_judge.cc", "tests/scenes/pen.cc"}},
       {"stb/", {"service/scene/tags/haptic_texture.cc", "tests/bench/haptics/scene_files.cc"}},
       {"libusb", {"service/device/usb/libusb_"}},
+      {"seccomp.h", {"service/builder/confine.cc"}},
       {"ceres/", {"tests/bench/peers/"}},
       {"openxr/", {"layer/", "service/tools/doctor/openxr_loader.cc"}},
       {"toml++/", {"service/config/"}},

@@ -122,7 +122,7 @@ TEST_F(HostileBuilder, OneThatNeverAnswersIsCancelled) {
 int Confined(const std::function<void()>& act) {
   const pid_t child = fork();
   if (child == 0) {
-    if (!builder::Retire().ok() || !builder::Confine().ok()) _exit(99);
+    if (!builder::Retire().ok() || !builder::ConfineItself().ok()) _exit(99);
     act();
     _exit(0);
   }

@@ -79,7 +79,7 @@ TEST(MemoryBudget, WaitsUntilOthersGiveUpTheirScenes) {
   EXPECT_EQ(budget.WhyItWaits(second), "waits for memory: needs 410 MB, 358 MB are free until other applications end");
   const Number third = budget.Wait(Scene(3, Need(100, 300)));
   EXPECT_EQ(budget.StartNext(), third);
-  budget.Free(kept);
+  budget.FreeKept(kept);
   EXPECT_EQ(budget.StartNext(), std::nullopt) << "the pool is used";
   budget.End(third);
   EXPECT_EQ(budget.StartNext(), second);
@@ -94,7 +94,7 @@ TEST(MemoryBudget, AReplacedSceneCountsUntilItIsFreed) {
   EXPECT_EQ(budget.kept_bytes(), 820 * kMB);
   budget.Wait(Scene(1, kGiant));
   EXPECT_EQ(budget.StartNext(), std::nullopt) << "52 MB are kept beyond the limit, the pool is smaller by them";
-  budget.Free(old);
+  budget.FreeKept(old);
   EXPECT_TRUE(budget.StartNext());
 }
 
@@ -178,7 +178,7 @@ TEST(MemoryBudget, KeepsItsLimitsAndStarvesNone) {
           ++it;
           continue;
         }
-        budget.Free(it->number);
+        budget.FreeKept(it->number);
         it = kept.erase(it);
       }
     }

@@ -121,7 +121,7 @@ void BuilderProcess::SendBytes(const std::string& bytes, const std::vector<int>&
   }
 }
 
-void BuilderProcess::Message::Misshapen() {
+void BuilderProcess::Message::ThrowMisshapen() {
   throw BuilderEnded{"the builder has sent a message of a wrong length; its result is not used"};
 }
 
@@ -133,7 +133,7 @@ BuilderProcess::Message BuilderProcess::Receive() {
       case protocol::ReceiveResult::kPacket: {
         Message message;
         message.bytes.assign(buffer.data(), received.size);
-        if (received.size < sizeof message.kind) Message::Misshapen();
+        if (received.size < sizeof message.kind) Message::ThrowMisshapen();
         std::memcpy(&message.kind, buffer.data(), sizeof message.kind);
         if (cancel_.is_set()) throw BuilderEnded{};
         return message;
@@ -149,7 +149,7 @@ BuilderProcess::Message BuilderProcess::Receive() {
   }
 }
 
-bool BuilderProcess::Worked() {
+bool BuilderProcess::HasWorked() {
   clockid_t clock{};
   timespec used{};
   if (clock_getcpuclockid(pid_, &clock) != 0 || clock_gettime(clock, &used) != 0) return true;  // its end is seen
@@ -163,13 +163,13 @@ void BuilderProcess::Wait(short event) {
     const int ready = poll(waits.data(), waits.size(), kLook_ms);
     if (cancel_.is_set()) throw BuilderEnded{};
     if (ready > 0) return;
-    if (ready == 0) idle = Worked() ? 0 : idle + 1;
+    if (ready == 0) idle = HasWorked() ? 0 : idle + 1;
   }
   throw BuilderEnded{"the builder does not answer; load the scene again"};
 }
 
 // Kills it and waits for its end, which is soon.
-int BuilderProcess::Reap() {
+int BuilderProcess::WaitForEnd() {
   int status = 0;
   if (pid_ < 0) return 0;
   while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
@@ -181,7 +181,7 @@ int BuilderProcess::Reap() {
 void BuilderProcess::End() {
   if (pid_ < 0) return;
   kill(pid_, SIGKILL);
-  Reap();
+  WaitForEnd();
 }
 
 // The socket is closed: it has ended, or is about to.
@@ -198,7 +198,7 @@ void BuilderProcess::ThrowHowItEnded() {
   const bool by_itself =
       waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == pid_;
   kill(pid_, SIGKILL);
-  const int status = Reap();
+  const int status = WaitForEnd();
   if (!by_itself) throw BuilderEnded{"the builder closed its connection; its result is not used"};
   if (!WIFSIGNALED(status)) {
     throw BuilderEnded{"the builder ended without a result (exit status " + std::to_string(WEXITSTATUS(status)) + ")"};

@@ -44,14 +44,14 @@ class BuilderProcess {
     std::string bytes;
     // Throws BuilderEnded when it is not as long as M and its text, if it has one.
     template <class M>
-    M As(std::string* text = nullptr) const {
+    M ReadAs(std::string* text = nullptr) const {
       M message;
-      if (bytes.size() < sizeof message || (text == nullptr && bytes.size() != sizeof message)) Misshapen();
+      if (bytes.size() < sizeof message || (text == nullptr && bytes.size() != sizeof message)) ThrowMisshapen();
       std::memcpy(&message, bytes.data(), sizeof message);
       if (text != nullptr) *text = bytes.substr(sizeof message);
       return message;
     }
-    [[noreturn]] static void Misshapen();
+    [[noreturn]] static void ThrowMisshapen();
   };
   Message Receive();
 
@@ -62,9 +62,9 @@ class BuilderProcess {
   void SendBytes(const std::string& bytes, const std::vector<int>& fds);
   // Waits for an event on the socket, for cancel, or until the builder no longer works.
   void Wait(short event);
-  bool Worked();
+  bool HasWorked();
   [[noreturn]] void ThrowHowItEnded();
-  int Reap();
+  int WaitForEnd();
 
   const CancelEvent& cancel_;
   base::UniqueFd socket_;

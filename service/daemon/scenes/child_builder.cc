@@ -75,8 +75,8 @@ std::string TextOf(const builder::Finished& finished, const std::string& text, c
 
 builder::Finished FinishedOf(const BuilderProcess::Message& message, std::uint64_t memory_bytes, std::string& text) {
   if (message.kind != builder::Kind::kFinished) throw BuilderEnded{kBroken};
-  const auto finished = message.As<builder::Finished>(&text);
-  if (finished.text_bytes != text.size() || text.size() > builder::kMaxText) BuilderProcess::Message::Misshapen();
+  const auto finished = message.ReadAs<builder::Finished>(&text);
+  if (finished.text_bytes != text.size() || text.size() > builder::kMaxText) BuilderProcess::Message::ThrowMisshapen();
   const bool said = finished.outcome == builder::Outcome::kNoMemory || finished.outcome == builder::Outcome::kTooLarge;
   if (!said && finished.bytes > memory_bytes) throw BuilderEnded{kBroken};
   return finished;
@@ -101,11 +101,11 @@ class SceneTalk {
       const BuilderProcess::Message message = Next();
       switch (message.kind) {
         case builder::Kind::kNeed:
-          if (!Admit(message.As<builder::Need>())) return Ended();
+          if (!Admit(message.ReadAs<builder::Need>())) return Ended();
           break;
         case builder::Kind::kDigest:
           if (!memory_ || std::exchange(digested_, true)) throw BuilderEnded{kBroken};
-          if (!steps_.build(message.As<builder::Digest>().bytes)) return Ended();
+          if (!steps_.build(message.ReadAs<builder::Digest>().bytes)) return Ended();
           process_.Send(builder::Build{});
           break;
         default:
@@ -121,7 +121,7 @@ class SceneTalk {
       BuilderProcess::Message message = process_.Receive();
       if (message.kind != builder::Kind::kOpen) return message;
       std::string name;
-      const auto open = message.As<builder::Open>(&name);
+      const auto open = message.ReadAs<builder::Open>(&name);
       if (open.text_bytes != name.size() || ++opened_ > builder::kMaxOpened) throw BuilderEnded{kBroken};
       OpenBeside(name);
     }
@@ -272,7 +272,7 @@ base::Result<haptics::SoftBody> ChildBuilder::BuildSoftBody(const haptics::Mesh&
                  {}, {input.get(), memory.get()});
     BuilderProcess::Message message = process.Receive();
     for (; message.kind == builder::Kind::kProgress; message = process.Receive()) {
-      const double done = message.As<builder::Progress>().done;
+      const double done = message.ReadAs<builder::Progress>().done;
       if (!(done >= 0 && done <= 1)) throw BuilderEnded{kBroken};
       if (options.progress && !options.progress(done)) return base::Error{"soft body: cancelled"};
     }

@@ -118,7 +118,7 @@ void MemoryBudget::End(Number request) {
   running_.erase(request);
 }
 
-void MemoryBudget::Free(Number kept) { kept_.erase(kept); }
+void MemoryBudget::FreeKept(Number kept) { kept_.erase(kept); }
 
 std::uint64_t MemoryBudget::RoomFor(Number request) const {
   const BuildRequest& now = running_.at(request);

@@ -14,7 +14,7 @@ namespace omni::daemon {
 
 inline constexpr std::uint64_t kMB = 1'000'000;
 
-// With what omnid itself takes, below MemoryMax of manifests/systemd/omnid.service.in (tests/daemon/memory_budget.cc
+// With what omnid itself takes, below the limit of manifests/systemd/omnid.service.in (tests/daemon/memory_budget.cc
 // compares, with docs/scenes.md too).
 struct MemoryLimits {
   std::uint64_t client_bytes = 512 * kMB;  // of built scenes, for each client
@@ -52,7 +52,7 @@ class MemoryBudget {
   Number Finish(Number request, std::uint64_t bytes);
   void FinishInto(Number request, Number kept, std::uint64_t bytes);
   void End(Number request);  // waiting or running: nothing is kept of it
-  void Free(Number kept);
+  void FreeKept(Number kept);
 
   // What a running request may keep beyond what was granted.
   std::uint64_t RoomFor(Number request) const;

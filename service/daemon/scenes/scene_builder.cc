@@ -132,7 +132,7 @@ class SceneBuilder::Work : public std::enable_shared_from_this<Work> {
 
   void Free(MemoryBudget::Number kept) {
     const std::lock_guard lock(mutex_);
-    budget_.Free(kept);
+    budget_.FreeKept(kept);
     wake_.notify_all();
   }
 
