@@ -22,19 +22,17 @@ WindingTree::WindingTree(std::span<const Vec3> vertices, Triangles triangles, co
     : vertices_(vertices), triangles_(triangles), order_(triangles.size()) {
   if (order_.empty()) return;
   std::iota(order_.begin(), order_.end(), 0U);
-  std::vector<Vec3> centroids(order_.size());
-  for (std::uint32_t t = 0; t < centroids.size(); ++t) {
-    const auto [a, b, c] = CornersOf(t);
-    centroids[t] = (1.0 / 3) * (a + b + c);
+  {
+    std::vector<Vec3> centroids(order_.size());
+    for (std::size_t t = 0; t < centroids.size(); ++t) {
+      const auto& [a, b, c] = triangles[t];
+      centroids[t] = (1.0 / 3) * (vertices[a] + vertices[b] + vertices[c]);
+    }
+    nodes_.reserve(centroids.size() / 3 + 8);
+    Build(0, static_cast<std::uint32_t>(order_.size()), centroids, watch);
   }
-  nodes_.reserve(centroids.size() / 2 + 8);
-  Build(0, static_cast<std::uint32_t>(order_.size()), centroids, watch);
+  corners_.resize(order_.size());
   Refit();
-}
-
-std::array<Vec3, 3> WindingTree::CornersOf(std::uint32_t triangle) const {
-  const auto& [a, b, c] = triangles_[triangle];
-  return {vertices_[a], vertices_[b], vertices_[c]};
 }
 
 // Halves along the longest axis: the depth is log2(n / 8), so recursion is shallow.
@@ -68,21 +66,25 @@ void WindingTree::FitLeaf(Node& node) const {
   node.area_m2 = 0;
   node.centre = node.area_vector = {};
   for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-    const auto [a, b, c] = CornersOf(order_[i]);
+    const auto& [a, b, c] = corners_[i];
     const Vec3 vector = 0.5 * Cross(b - a, c - a);
     const double weight = Norm(vector);
     node.area_vector = node.area_vector + vector;
     node.centre = node.centre + (weight / 3) * (a + b + c);
     node.area_m2 += weight;
   }
-  node.centre = node.area_m2 > 0 ? (1 / node.area_m2) * node.centre : CornersOf(order_[node.first])[0];
+  node.centre = node.area_m2 > 0 ? (1 / node.area_m2) * node.centre : corners_[node.first][0];
   node.radius_m = 0;
   for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-    for (const Vec3& v : CornersOf(order_[i])) node.radius_m = std::max(node.radius_m, Norm(v - node.centre));
+    for (const Vec3& v : corners_[i]) node.radius_m = std::max(node.radius_m, Norm(v - node.centre));
   }
 }
 
 void WindingTree::Refit() {
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const auto& [a, b, c] = triangles_[order_[i]];
+    corners_[i] = {vertices_[a], vertices_[b], vertices_[c]};
+  }
   for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {  // children come after their parent
     if (node->left == 0) {
       FitLeaf(*node);
@@ -115,7 +117,7 @@ double WindingTree::At(const Vec3& p, std::uint32_t own, std::uint64_t& visited)
       visited += 2 * node.count;
       for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
         if (order_[i] == own) continue;
-        const auto [a, b, c] = CornersOf(order_[i]);
+        const auto& [a, b, c] = corners_[i];
         sum += SolidAngle(a - p, b - p, c - p);
       }
     } else {

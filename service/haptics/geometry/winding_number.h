@@ -50,12 +50,12 @@ class WindingTree {
   std::uint32_t Build(std::uint32_t first, std::uint32_t count, const std::vector<Vec3>& centroids,
                       const base::WorkWatch& watch);
 
-  std::array<Vec3, 3> CornersOf(std::uint32_t triangle) const;
   void FitLeaf(Node& node) const;
 
   std::span<const Vec3> vertices_;
   Triangles triangles_;
-  std::vector<std::uint32_t> order_;  // of triangles
+  std::vector<std::uint32_t> order_;          // of triangles
+  std::vector<std::array<Vec3, 3>> corners_;  // in this order: a leaf is read at once
   std::vector<Node> nodes_;
 };
 
