@@ -11,41 +11,86 @@
 namespace omni::haptics {
 namespace {
 
+// What all rounds together may spend: about as much as the rest of the build takes, and triangles up to `most`.
+struct SnapBudget {
+  std::uint64_t visits = 0;      // of nodes and leaves of the tree of border vertices; 0: nothing is split any more
+  std::uint64_t vertices = 0;    // that split an edge
+  std::uint32_t unsearched = 0;  // edges that were left, because one of these was spent
+  void Spend(std::uint64_t work) { visits -= std::min(visits, work); }
+};
+
+constexpr int kMaxSnapRounds = 8;
+
 struct EdgeHit {
   double s;  // along the edge, (0, 1)
   std::uint32_t vertex;
 };
+
+struct SplitEdge {
+  std::uint32_t triangle, edge;
+  std::vector<EdgeHit> hits;
+};
+
+// A leaf of the tree of border vertices; one with fewer repeats its first.
+struct alignas(64) PointPacket {
+  float x[kPacketSize], y[kPacketSize], z[kPacketSize];
+  std::uint32_t vertex[kPacketSize];
+};
+
+int MeetMask(const PointPacket& packet, const SegmentLanes& segment) {
+  const Lanes3 points{_mm_load_ps(packet.x), _mm_load_ps(packet.y), _mm_load_ps(packet.z)};
+  return _mm_movemask_ps(MayMeet(segment, points, points));
+}
 
 // The border's vertices, in a tree of their own.
 class BorderVertices {
  public:
   BorderVertices(const Mesh& mesh, const EdgeList& edges, SnapBudget& budget, const base::WorkWatch& watch)
       : mesh_(mesh), budget_(budget), watch_(watch) {
-    std::vector<bool> seen(mesh.vertices.size(), false);
+    SetBorders(edges);
     std::vector<TreePrimitive> points;
     Vec3 lower{1e30, 1e30, 1e30}, upper{-1e30, -1e30, -1e30};
-    for (const HalfEdge& edge : edges.borders) {
+    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+      if (!on_border_[v]) continue;
       watch.Did();
-      for (const std::uint32_t v : {static_cast<std::uint32_t>(edge.key >> 32), static_cast<std::uint32_t>(edge.key)}) {
-        if (seen[v]) continue;
-        seen[v] = true;
-        const Vec3& p = mesh.vertices[v];
-        points.push_back(MakePrimitive(std::span(&p, 1), v, false));
-        lower = Min(lower, p);
-        upper = Max(upper, p);
-      }
+      const Vec3& p = mesh.vertices[v];
+      points.push_back(MakePrimitive(std::span(&p, 1), v, false));
+      lower = Min(lower, p);
+      upper = Max(upper, p);
     }
     const Vec3 d = upper - lower;
     tolerance_m_ = kSnapRelative * std::max({d.x, d.y, d.z});
     // The slack of float boxes is 2^-19 of this, twice the tolerance at least.
     extent_m_ = 4 * std::max(LargestComponent(lower), LargestComponent(upper));
-    root_ = AppendTree(points, nodes_, packets_, watch).root;
-    for (TrianglePacket& packet : packets_) {
+    std::vector<TrianglePacket> packets;
+    root_ = AppendTree(points, nodes_, packets, watch).root;
+    packets_.resize(packets.size());
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+      watch.Did();
       for (int lane = 0; lane < kPacketSize; ++lane) {
-        for (int k = 0; k < 3; ++k) FillPacket(packet, lane, k, mesh.vertices[packet.triangle[lane]]);
+        const std::uint32_t v = packets[i].triangle[lane];
+        const Vec3& p = mesh.vertices[v];
+        packets_[i].x[lane] = static_cast<float>(p.x);
+        packets_[i].y[lane] = static_cast<float>(p.y);
+        packets_[i].z[lane] = static_cast<float>(p.z);
+        packets_[i].vertex[lane] = v;
       }
     }
+    order_.reserve(points.size());
+    for (const TreePrimitive& point : points) order_.push_back(point.triangle);
   }
+
+  // After edges were split: no vertex comes to the border by that, some leave it.
+  void SetBorders(const EdgeList& edges) {
+    on_border_.assign(mesh_.vertices.size(), false);
+    for (const HalfEdge& edge : edges.borders) {
+      watch_.Did();
+      on_border_[edge.key >> 32] = on_border_[static_cast<std::uint32_t>(edge.key)] = true;
+    }
+  }
+
+  // Vertices that are near each other are near each other in this order, too.
+  const std::vector<std::uint32_t>& order() const { return order_; }
 
   // Vertices on the open segment from a to b, in order along it; none once the budget is spent.
   std::vector<EdgeHit> On(std::uint32_t a, std::uint32_t b) {
@@ -68,11 +113,11 @@ class BorderVertices {
           continue;
         }
         budget_.Spend(1);
-        const TrianglePacket& packet = packets_[child & kChildIndex];
+        const PointPacket& packet = packets_[child & kChildIndex];
         for (unsigned near = static_cast<unsigned>(MeetMask(packet, segment)); near != 0; near &= near - 1) {
           const int lane = std::countr_zero(near);
-          const std::uint32_t v = packet.triangle[lane];  // a packet that is not full repeats its first
-          if (lane == 0 || v != packet.triangle[0]) Test(a, b, v, hits);
+          const std::uint32_t v = packet.vertex[lane];
+          if (lane == 0 || v != packet.vertex[0]) Test(a, b, v, hits);
         }
       }
     }
@@ -88,7 +133,7 @@ class BorderVertices {
 
  private:
   void Test(std::uint32_t a, std::uint32_t b, std::uint32_t v, std::vector<EdgeHit>& hits) const {
-    if (v == a || v == b) return;
+    if (v == a || v == b || !on_border_[v]) return;
     const Vec3 along = mesh_.vertices[b] - mesh_.vertices[a], r = mesh_.vertices[v] - mesh_.vertices[a];
     const double length2 = SquaredNorm(along);
     const double s = Dot(r, along) / length2;
@@ -101,7 +146,9 @@ class BorderVertices {
   SnapBudget& budget_;
   const base::WorkWatch& watch_;
   std::vector<TreeNode> nodes_;
-  std::vector<TrianglePacket> packets_;
+  std::vector<PointPacket> packets_;
+  std::vector<std::uint32_t> order_;
+  std::vector<bool> on_border_;
   std::uint32_t root_ = 0;
   double tolerance_m_ = 0, extent_m_ = 0;
 };
@@ -143,39 +190,94 @@ void SplitAtHits(Mesh& mesh, std::uint32_t t, std::uint32_t k, const std::vector
   }
 }
 
+class Snapper {
+ public:
+  Snapper(Mesh& mesh, EdgeList& edges, std::size_t most, const base::WorkWatch& watch)
+      : mesh_(mesh),
+        edges_(edges),
+        watch_(watch),
+        budget_{.visits = 10'000 + 24 * std::uint64_t{edges.borders.size()}, .vertices = most - mesh.triangles.size()},
+        vertices_(mesh, edges, budget_, watch),
+        changed_(mesh.triangles.size(), true) {}
+
+  SnapReport Run() {
+    SnapReport report;
+    for (int round = 0; round < kMaxSnapRounds; ++round) {
+      const std::uint32_t split = Split(Find());
+      if (split == 0) break;
+      report.split += split;
+      edges_ = {};  // two at a time would be the largest part of a build
+      edges_ = ConnectEdges(mesh_, watch_);
+      vertices_.SetBorders(edges_);
+    }
+    report.unsearched = budget_.unsearched;
+    return report;
+  }
+
+ private:
+  // Border edges of changed triangles that have vertices on them. Edges that are near each other are searched one after
+  // the other: the tree is larger than a cache.
+  std::vector<SplitEdge> Find() {
+    const std::vector<HalfEdge>& borders = edges_.borders;
+    std::vector<std::uint32_t> first(mesh_.vertices.size(), kNoIndex);  // border of which this is the smaller vertex
+    for (std::size_t i = borders.size(); i-- > 0;) first[borders[i].key >> 32] = static_cast<std::uint32_t>(i);
+    std::vector<SplitEdge> splits;
+    for (const std::uint32_t v : vertices_.order()) {
+      for (std::size_t i = first[v]; i < borders.size() && borders[i].key >> 32 == v; ++i) {
+        watch_.Did();
+        const auto [key, triangle, k] = borders[i];
+        if (!changed_[triangle]) continue;
+        if (budget_.visits == 0) {
+          ++budget_.unsearched;
+          continue;
+        }
+        const auto& t = mesh_.triangles[triangle];
+        SplitEdge split{triangle, k, vertices_.On(t[k], t[(k + 1) % 3])};
+        std::erase_if(split.hits, [apex = t[(k + 2) % 3]](const EdgeHit& hit) { return hit.vertex == apex; });
+        if (split.hits.empty()) continue;
+        budget_.vertices -= split.hits.size();
+        splits.push_back(std::move(split));
+      }
+    }
+    return splits;
+  }
+
+  // One edge of a triangle at a time. The number of vertices that split an edge.
+  std::uint32_t Split(std::vector<SplitEdge> splits) {
+    std::sort(splits.begin(), splits.end(), [&](const SplitEdge& x, const SplitEdge& y) {
+      watch_.Did();
+      return x.triangle != y.triangle ? x.triangle < y.triangle : x.edge < y.edge;
+    });
+    changed_.assign(mesh_.triangles.size(), false);
+    std::uint32_t count = 0;
+    std::uint32_t last = kNoIndex;
+    for (const SplitEdge& split : splits) {
+      if (split.triangle == last) {
+        budget_.vertices += split.hits.size();
+        continue;
+      }
+      last = split.triangle;
+      SplitAtHits(mesh_, split.triangle, split.edge, split.hits);
+      count += static_cast<std::uint32_t>(split.hits.size());
+      changed_[split.triangle] = true;
+      changed_.resize(mesh_.triangles.size(), true);
+    }
+    return count;
+  }
+
+  Mesh& mesh_;
+  EdgeList& edges_;
+  const base::WorkWatch& watch_;
+  SnapBudget budget_;
+  BorderVertices vertices_;
+  std::vector<bool> changed_;  // triangles, since their edges were searched
+};
+
 }  // namespace
 
-SnapBudget SnapBudgetOf(const Mesh& mesh, const EdgeList& edges, std::size_t most) {
-  return {.visits = 10'000 + 24 * std::uint64_t{edges.borders.size()}, .vertices = most - mesh.triangles.size()};
-}
-
-std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges, SnapBudget& budget, const base::WorkWatch& watch) {
-  if (edges.borders.empty() || budget.visits == 0) return 0;
-  BorderVertices vertices(mesh, edges, budget, watch);
-  std::vector<HalfEdge> borders = edges.borders;
-  std::sort(borders.begin(), borders.end(), [&](const HalfEdge& x, const HalfEdge& y) {
-    watch.Did();
-    return x.triangle != y.triangle ? x.triangle < y.triangle : x.edge < y.edge;
-  });
-  std::uint32_t snapped = 0;
-  std::uint32_t last = kNoIndex;  // triangle that was split
-  for (const HalfEdge& edge : borders) {
-    if (edge.triangle == last) continue;
-    const auto& t = mesh.triangles[edge.triangle];
-    const std::uint32_t apex = t[(edge.edge + 2) % 3];
-    if (budget.visits == 0) {
-      ++budget.unsearched;
-      continue;
-    }
-    std::vector<EdgeHit> hits = vertices.On(t[edge.edge], t[(edge.edge + 1) % 3]);
-    std::erase_if(hits, [&](const EdgeHit& hit) { return hit.vertex == apex; });
-    if (hits.empty()) continue;
-    budget.vertices -= hits.size();
-    SplitAtHits(mesh, edge.triangle, edge.edge, hits);
-    snapped += static_cast<std::uint32_t>(hits.size());
-    last = edge.triangle;
-  }
-  return snapped;
+SnapReport SnapTJunctions(Mesh& mesh, EdgeList& edges, std::size_t most, const base::WorkWatch& watch) {
+  if (edges.borders.empty()) return {};
+  return Snapper(mesh, edges, most, watch).Run();
 }
 
 }  // namespace omni::haptics

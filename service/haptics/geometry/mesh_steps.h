@@ -36,18 +36,14 @@ EdgeList ConnectEdges(Mesh& mesh, const base::WorkWatch& watch);
 // not neighbours. The edge is split at the vertex (mesh_snap.cc)   (R.2).
 inline constexpr double kSnapRelative = 1e-6;  // distance of vertex and edge, of the mesh's largest extent
 
-// What all rounds together may spend: about as much as the rest of the build takes, and triangles up to `most`.
-struct SnapBudget {
-  std::uint64_t visits = 0;      // of nodes and leaves of the tree of border vertices; 0: nothing is split any more
-  std::uint64_t vertices = 0;    // that split an edge
-  std::uint32_t unsearched = 0;  // edges that were left, because one of these was spent
-  void Spend(std::uint64_t work) { visits -= std::min(visits, work); }
+struct SnapReport {
+  std::uint32_t split = 0;       // at so many vertices
+  std::uint32_t unsearched = 0;  // edges that were left, because it would take too long
 };
-SnapBudget SnapBudgetOf(const Mesh& mesh, const EdgeList& edges, std::size_t most);
 
-// Splits each border edge at the border vertices on it; one edge of a triangle at a time, so call it again until it
-// gives 0. Neighbours are not up to date afterwards. Returns the number of vertices that split an edge.
-std::uint32_t SnapTJunctions(Mesh& mesh, const EdgeList& edges, SnapBudget& budget, const base::WorkWatch& watch);
+// Splits each border edge at the border vertices on it, one edge of a triangle at a time, until there is none left:
+// then edges and neighbours are up to date again. The mesh gets at most `most` triangles.
+SnapReport SnapTJunctions(Mesh& mesh, EdgeList& edges, std::size_t most, const base::WorkWatch& watch);
 
 // Small holes of a body that is otherwise closed (mesh_holes.cc)   (R.3).
 inline constexpr std::size_t kMaxHoleEdges = 64;

@@ -57,8 +57,6 @@ EdgeList ConnectEdges(Mesh& mesh, const base::WorkWatch& watch) {
 
 namespace {
 
-constexpr int kMaxSnapRounds = 8;
-
 std::uint32_t EdgeTo(const Mesh& mesh, std::uint32_t triangle, std::uint32_t a, std::uint32_t b) {
   for (std::uint32_t k = 0; k < 3; ++k) {
     const std::uint32_t x = mesh.triangles[triangle][k], y = mesh.triangles[triangle][(k + 1) % 3];
@@ -112,15 +110,9 @@ TopologyReport ConnectAndOrient(Mesh& mesh, const base::WorkWatch& watch) {
   if (mesh.triangles.empty()) return report;
   EdgeList edges = ConnectEdges(mesh, watch);
   const std::size_t most = MostTriangles(mesh.triangles.size());
-  SnapBudget budget = SnapBudgetOf(mesh, edges, most);
-  for (int round = 0; round < kMaxSnapRounds; ++round) {
-    const std::uint32_t snapped = SnapTJunctions(mesh, edges, budget, watch);
-    if (snapped == 0) break;
-    report.snapped += snapped;
-    edges = {};  // two at a time would be the largest part of a build
-    edges = ConnectEdges(mesh, watch);
-  }
-  report.unsnapped = budget.unsearched;
+  const SnapReport snapped = SnapTJunctions(mesh, edges, most, watch);
+  report.snapped = snapped.split;
+  report.unsnapped = snapped.unsearched;
   OrientComponents(mesh, report, watch);
   report.closed_holes = CloseSmallHoles(mesh, edges, report.components, most, watch);
   if (report.closed_holes > 0) {
