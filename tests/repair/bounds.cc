@@ -40,6 +40,24 @@ TEST(MeshBounds, AnyMeshCostsAboutAsMuchAsACleanOne) {
   }
 }
 
+// Work of a build by its own count (base::WorkWatch), per triangle.
+double WorkPerTriangle(const MeshBomb& bomb, std::size_t triangles) {
+  const InputObject object = bomb.make(triangles);
+  const base::WorkWatch watch;
+  BuildReport report;
+  EXPECT_TRUE(BuildScene(SceneOf(object), report, watch).ok()) << bomb.name;
+  return static_cast<double>(watch.done()) / static_cast<double>(object.triangles.size());
+}
+
+// Growth faster than the number of triangles is found without a clock. From 20,000 on the large holes are small enough,
+// of the whole, to be closed.
+TEST(MeshBounds, WorkGrowsWithTheNumberOfTriangles) {
+  for (const MeshBomb& bomb : kMeshBombs) {
+    const double few = WorkPerTriangle(bomb, 20'000), many = WorkPerTriangle(bomb, 80'000);
+    EXPECT_LE(many, 1.5 * few) << bomb.name << ": " << few << " and " << many;
+  }
+}
+
 double Volume(const Mesh& mesh, std::uint32_t component) {
   double sum = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <unordered_map>
 #include <vector>
 
 #include "service/haptics/scene/scene.h"
@@ -44,11 +43,11 @@ std::vector<double> DiagonalsOf(const Mesh& mesh, std::uint32_t components, cons
 class LoopFinder {
  public:
   LoopFinder(const Mesh& mesh, const EdgeList& edges, const base::WorkWatch& watch)
-      : mesh_(mesh), borders_(edges.borders), watch_(watch) {
+      : mesh_(mesh), borders_(edges.borders), watch_(watch), ending_(mesh.vertices.size(), kNoIndex) {
     for (std::uint32_t i = 0; i < borders_.size(); ++i) {
       watch.Did();
-      const auto [found, fresh] = ending_.emplace(End(i), i);
-      if (!fresh) found->second = kNoIndex;  // two borders end here (a bow tie): which goes on is not known
+      std::uint32_t& ending = ending_[End(i)];
+      ending = ending == kNoIndex ? i : kSeveral;
     }
   }
 
@@ -66,9 +65,9 @@ class LoopFinder {
         used[at] = true;
         loop.vertices.push_back(End(at));
         loop.corners.emplace_back(borders_[at].triangle, (borders_[at].edge + 1) % 3);
-        const auto next = ending_.find(Start(at));
-        if (next == ending_.end() || next->second == kNoIndex) break;
-        at = next->second;
+        const std::uint32_t next = ending_[Start(at)];
+        if (next == kNoIndex || next == kSeveral) break;
+        at = next;
         closed = at == i;
         if (closed || used[at]) break;
       }
@@ -82,13 +81,15 @@ class LoopFinder {
   }
 
  private:
+  static constexpr std::uint32_t kSeveral = kNoIndex - 1;  // borders (a bow tie): which goes on is not known
+
   std::uint32_t Start(std::uint32_t i) const { return mesh_.triangles[borders_[i].triangle][borders_[i].edge]; }
   std::uint32_t End(std::uint32_t i) const { return mesh_.triangles[borders_[i].triangle][(borders_[i].edge + 1) % 3]; }
 
   const Mesh& mesh_;
   const std::vector<HalfEdge>& borders_;
   const base::WorkWatch& watch_;
-  std::unordered_map<std::uint32_t, std::uint32_t> ending_;  // vertex -> the border that ends there
+  std::vector<std::uint32_t> ending_;  // of each vertex: the border that ends there
 };
 
 // W(i, k) = min over i < j < k of W(i, j) + W(j, k) + area(i, j, k). A diagonal that is an edge already would have
@@ -104,7 +105,7 @@ class Triangulator {
     for (std::size_t span = 2; span < n_; ++span) {
       for (std::size_t i = 0; i + span < n_; ++i) {
         const std::size_t k = i + span;
-        watch.Did(span);
+        watch.Did(1 + span / 16);  // some nanoseconds each
         double& best = weight_[i * n_ + k];
         best = kNone;
         const bool closing = span == n_ - 1;  // the last side of the loop, not a diagonal

@@ -34,8 +34,8 @@ class Buckets {
 // that a vertex mostly needs its own cell only.
 class Welder {
  public:
-  Welder(double tolerance_m, std::size_t expected)
-      : tolerance_m_(tolerance_m), cell_m_(64 * tolerance_m), buckets_(expected) {}
+  Welder(double tolerance_m, std::size_t expected, const base::WorkWatch& watch)
+      : tolerance_m_(tolerance_m), cell_m_(64 * tolerance_m), buckets_(expected), watch_(watch) {}
 
   std::uint32_t Add(const Vec3& p) {
     std::array<std::array<std::int64_t, 2>, 3> range{};
@@ -62,23 +62,26 @@ class Welder {
   std::vector<Vec3> kept;
 
  private:
-  static constexpr int kMaxChain = 256;  // a crowd in one cell (one far outlier) must not make the build quadratic
+  static constexpr unsigned kMaxChain = 255;  // a crowd in one cell (one far outlier) must not make the build quadratic
 
   std::int64_t Cell(double x) const { return static_cast<std::int64_t>(std::floor(x / cell_m_)); }
   static std::uint64_t HashCell(std::int64_t i, std::int64_t j, std::int64_t k) {
     return Hash3(static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j), static_cast<std::uint64_t>(k));
   }
   std::uint32_t FindIn(std::uint64_t hash, const Vec3& p) {
-    int left = kMaxChain;
-    for (std::uint32_t i = buckets_.Head(hash); i != kNoIndex && --left > 0; i = next_[i]) {
-      if (SquaredNorm(kept[i] - p) <= tolerance_m_ * tolerance_m_) return i;
+    std::uint32_t i = buckets_.Head(hash);
+    unsigned passed = 0;
+    while (i != kNoIndex && SquaredNorm(kept[i] - p) > tolerance_m_ * tolerance_m_) {
+      i = ++passed < kMaxChain ? next_[i] : kNoIndex;
     }
-    return kNoIndex;
+    watch_.Did(passed / 16);  // some nanoseconds each
+    return i;
   }
 
   double tolerance_m_, cell_m_;
   Buckets buckets_;
   std::vector<std::uint32_t> next_;
+  const base::WorkWatch& watch_;
 };
 
 double LargestExtent(const std::vector<Vec3>& vertices) {
@@ -96,7 +99,7 @@ double LargestExtent(const std::vector<Vec3>& vertices) {
 // would save nothing measurable, because the cell look-up is one bucket.
 std::vector<std::uint32_t> Weld(const std::vector<Vec3>& vertices, std::vector<Vec3>& kept, RepairCounts& counts,
                                 const base::WorkWatch& watch) {
-  Welder welder(kWeldRelative * LargestExtent(vertices), vertices.size());
+  Welder welder(kWeldRelative * LargestExtent(vertices), vertices.size(), watch);
   std::vector<std::uint32_t> map(vertices.size(), kNoIndex);
   std::uint32_t finite = 0;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
