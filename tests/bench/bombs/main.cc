@@ -1,7 +1,10 @@
 // Cost of hostile documents: time until each is refused (or loaded), and memory, for `omni scene explain` and for omnid
 // while another application draws. Prints a table; run by scripts/bombs.
 //   omni_bench_bombs [--bin FOLDER] [--bytes N] [--limit SECONDS] [--giants N]
+//   omni_bench_bombs --geometry | --cancel [--triangles N] [--json FILE] [--bin FOLDER] [--limit SECONDS]
 // --giants: instead, so many legal scenes of 3.9 million triangles at once.
+// --geometry: instead, meshes that cost as much as they can (default: 32,000, 100,000 and 500,000 triangles); --cancel:
+// how soon their builds end (default: 100,000).
 // --bin: folder of omni and omnid, possibly of another build (default: that of this program).
 #include <algorithm>
 #include <chrono>
@@ -15,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/bench/bombs/geometry.h"
 #include "tests/bench/bombs/giants.h"
 #include "tests/bench/bombs/measure.h"
 #include "tests/bench/harness/work_folder.h"
@@ -30,6 +34,9 @@ struct Options {
   std::size_t bytes = 3'000'000;
   double limit_s = 20;
   int giants = 0;
+  bool geometry = false, cancel = false;
+  std::vector<std::size_t> triangles;
+  fs::path json;
 };
 
 void Write(const fs::path& path, const std::string& text) {
@@ -188,15 +195,27 @@ void RunSettings(const Options& options, const fs::path& folder) {
 
 int Run(int argc, char** argv) {
   Options options;
-  for (int i = 1; i + 1 < argc; i += 2) {
+  for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    if (word == "--bin") options.bin = fs::absolute(argv[i + 1]);
-    if (word == "--bytes") options.bytes = std::strtoul(argv[i + 1], nullptr, 10);
-    if (word == "--giants") options.giants = std::atoi(argv[i + 1]);
-    if (word == "--limit") options.limit_s = std::strtod(argv[i + 1], nullptr);
+    options.geometry = options.geometry || word == "--geometry";
+    options.cancel = options.cancel || word == "--cancel";
+    if (word == "--geometry" || word == "--cancel" || i + 1 == argc) continue;
+    const char* const value = argv[++i];
+    if (word == "--bin") options.bin = fs::absolute(value);
+    if (word == "--bytes") options.bytes = std::strtoul(value, nullptr, 10);
+    if (word == "--giants") options.giants = std::atoi(value);
+    if (word == "--limit") options.limit_s = std::strtod(value, nullptr);
+    if (word == "--triangles") options.triangles = {std::strtoul(value, nullptr, 10)};
+    if (word == "--json") options.json = fs::absolute(value);
   }
   const bench::WorkFolder folder;
   if (options.giants > 0) return RunGiants(options.bin, folder.path(), options.giants, options.limit_s) ? 0 : 1;
+  if (options.geometry || options.cancel) {
+    GeometryOptions geometry{options.bin, folder.path(), options.json, options.triangles, options.limit_s};
+    if (geometry.triangles.empty() && options.geometry) geometry.triangles = {32'000, 100'000, 500'000};
+    if (geometry.triangles.empty()) geometry.triangles = {100'000};
+    return (options.geometry ? RunGeometry(geometry) : RunCancels(geometry)) ? 0 : 1;
+  }
   if (!RunScenes(options, folder.path())) {
     std::fprintf(stderr, "omnid does not start, or nothing is drawn: is %s built?\n", options.bin.c_str());
     return 1;
