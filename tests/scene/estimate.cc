@@ -79,7 +79,7 @@ TEST(BuildEstimate, IsAnUpperBoundForMeshes) {
 TEST(BuildEstimate, IsAnUpperBoundForShippedScenes) {
   if (!omni::test::kMemoryCounts) GTEST_SKIP() << "the sanitizer takes memory of its own";
   for (const char* name : {"extrusion", "dragon", "racetrack"})
-    ExpectBound(name, std::string(OMNI_SOURCE_DIR) + "/scenes/" + name + ".glb", {}, 10'000);
+    ExpectBound(name, OMNI_SOURCE_DIR "/scenes/" + std::string(name) + ".glb", {}, 10'000);
 }
 
 TEST(BuildEstimate, IsAnUpperBoundForHostileDocuments) {

@@ -42,15 +42,15 @@ EdgeList ConnectEdges(Mesh& mesh, const base::WorkWatch& watch) {
               });
   }
   for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && edges[end].key == edges[i].key) ++end;
-    if (end - i == 2) {
+    std::size_t next = i + 1;
+    while (next < edges.size() && edges[next].key == edges[i].key) ++next;
+    if (next - i == 2) {
       mesh.neighbours[edges[i].triangle][edges[i].edge] = edges[i + 1].triangle;
       mesh.neighbours[edges[i + 1].triangle][edges[i + 1].edge] = edges[i].triangle;
     }
-    if (end - i == 1) list.borders.push_back(edges[i]);
-    list.non_manifold += end - i > 2;
-    i = end;
+    if (next - i == 1) list.borders.push_back(edges[i]);
+    list.non_manifold += next - i > 2;
+    i = next;
   }
   return list;
 }

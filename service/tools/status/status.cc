@@ -169,8 +169,8 @@ std::string KeyDeviceLine(const json& device) {
   return TextAt(device, "/rule") + ": " + (problem.empty() || problem == "-" ? "not connected" : problem);
 }
 
-std::string Megabytes(const json& json, const char* pointer) {
-  return std::to_string(static_cast<long>(std::ceil(std::clamp(NumberAt(json, pointer), 0.0, 1e6)))) + " MB";
+std::string Megabytes(const json& status, const char* pointer) {
+  return std::to_string(static_cast<long>(std::ceil(std::clamp(NumberAt(status, pointer), 0.0, 1e6)))) + " MB";
 }
 
 // Empty: no scene takes memory, and none is being built.

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kCancelsOfEach = 12;           // more than 200 of all together
+constexpr int kCancelsOfEach = 12;            // more than 200 of all together
 constexpr std::size_t kSmallTriangles = 400;  // of what another client requests
 
 double MsSince(std::int64_t start_ns) { return 1e-6 * static_cast<double>(base::MonotonicNow_ns() - start_ns); }

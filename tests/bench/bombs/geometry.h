@@ -1,5 +1,5 @@
-// Meshes that are meant to cost as much as they can (tests/support/mesh_bombs.h): what building them takes, compared with
-// a clean ball of as many triangles, how soon a build ends that is not wanted any more, and how long others wait.
+// Meshes that are meant to cost as much as they can (tests/support/mesh_bombs.h): what building them takes, compared
+// with a clean ball of as many triangles, how soon a build ends that is not wanted any more, and how long others wait.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@ struct GeometryOptions {
 // Prints a table. The result is whether all could be measured.
 bool RunGeometry(const GeometryOptions& options);
 
-// By clients of omnid that end at random moments of a build, and by LoadScene in this process; then the waits of clients
-// that request a small scene meanwhile. Prints a table. Of the counts of triangles the first.
+// By clients of omnid that end at random moments of a build, and by LoadScene in this process; then the waits of
+// clients that request a small scene meanwhile. Prints a table. Of the counts of triangles the first.
 bool RunCancels(const GeometryOptions& options);
 
 }  // namespace omni::bombs
