@@ -216,8 +216,10 @@ bool RunCancels(const GeometryOptions& options) {
     for (int i = 0; i < kCancelsOfEach && build_ms >= 0; ++i) {
       const double client_ms = CancelByClient_ms(omnid, document, dice.Roll(0, build_ms), options.limit_s);
       const double process_ms = CancelInProcess_ms(path, dice.Roll(0, load_ms));
-      client_ms < 0 ? void(++late_client) : by_client.push_back(client_ms);
-      process_ms < 0 ? void(++late_process) : in_process.push_back(process_ms);
+      if (client_ms >= 0) by_client.push_back(client_ms);
+      if (process_ms >= 0) in_process.push_back(process_ms);
+      late_client += client_ms < 0;
+      late_process += process_ms < 0;
     }
   }
   Report("client of omnid ends", std::move(by_client), late_client, rows);
