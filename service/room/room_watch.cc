@@ -35,24 +35,29 @@ void PenWatch::Add(const base::ToolState& tool) noexcept {
   if (tool.magnet == base::MagnetIdentity::kCalibrated) return;
   ++other_;
   sum_ += tool.moment_scale;
+  sigma_sum_ += tool.moment_sigma;
 }
 
 void PenWatch::EndSecond() noexcept {
   if (tracked_ > 0) {
     const double scale = other_ > 0 ? sum_ / other_ : 1;
     is_other_.Add(IsMostly(other_, tracked_) && std::abs(scale - 1) >= kOther);
-    if (other_ > 0 && std::abs(scale - moment_scale_) >= kChanged) moment_scale_ = scale;
+    if (other_ > 0 && std::abs(scale - moment_scale_) >= kChanged) {
+      moment_scale_ = scale;
+      moment_sigma_ = sigma_sum_ / other_;
+    }
   }
   tracked_ = other_ = 0;
-  sum_ = 0;
+  sum_ = sigma_sum_ = 0;
 }
 
 void PenWatch::Report(std::vector<RoomFinding>& findings) const {
   if (!is_other_.holds()) return;
   const long percent = std::lround(100 * std::abs(moment_scale_ - 1));
+  const long sigma = std::max(1L, static_cast<long>(std::ceil(100 * moment_sigma_)));
   findings.push_back({.kind = "other-pen",
                       .sensors = {},
-                      .what = "this magnet is " + std::to_string(percent) + " % " +
+                      .what = "this magnet is " + std::to_string(percent) + " +- " + std::to_string(sigma) + " % " +
                               (moment_scale_ > 1 ? "stronger" : "weaker") +
                               " than the one calibrated: another pen; poses and forces are those of this one",
                       .fix = "nothing needs to be done; if you keep it: omni calibrate --replace"});

@@ -27,9 +27,10 @@ class PenWatch {
 
  private:
   int tracked_ = 0, other_ = 0;  // samples of this second
-  double sum_ = 0;               // of the moments of the latter, over the calibrated one's
+  double sum_ = 0;               // of the moments of the latter, over the calibrated one's ...
+  double sigma_sum_ = 0;         // ... and of their standard deviations
   Verdict is_other_{2};
-  double moment_scale_ = 1;  // as reported
+  double moment_scale_ = 1, moment_sigma_ = 0;  // as reported
 };
 
 class RoomWatch {

@@ -1,6 +1,8 @@
 // A calibration of another base is in use: omnid's log, `omni status` and `omni doctor` report it. As real processes.
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -173,7 +175,7 @@ INSTANTIATE_TEST_SUITE_P(
                               kNear,
                               "[[pens]]\nmoment_scale = 1.1",
                               "other-pen",
-                              {"this magnet is 10 % stronger than the one calibrated", "omni calibrate --replace"}},
+                              {" % stronger than the one calibrated", "omni calibrate --replace"}},
                     RoomEvent{"turned",
                               kAway,
                               "[[field_steps]]\nchange_base_T = [4e-5, 3e-5, 3.3e-5]\nat_s = 3",
@@ -195,6 +197,21 @@ TEST_P(ProcessRoom, RoomFindingsAreReported) {
   ExpectMentions(Row("room"), event.words);
   ExpectMentions(LogText(), {"room: "});
   EXPECT_FALSE(IsMisfit(Status()));
+}
+
+// A pen that rests is known from one place only: what is reported of it says how far that can be trusted.
+TEST_F(ProcessCalibration, MomentOfARestingPenIsReportedWithItsUncertainty) {
+  ASSERT_NO_FATAL_FAILURE(
+      Start(CalibrationOf(sim::NoImperfections(), 1), kNear, "based_on = \"ideal\"\n[[pens]]\nmoment_scale = 1.1\n"));
+  const auto is_reported = [](const nlohmann::json& status) {
+    return !status["room"].empty() && status["room"][0]["kind"] == "other-pen";
+  };
+  ASSERT_TRUE(WaitFor(20, is_reported)) << LogText();
+  const std::string what = Status()["room"][0]["what"];
+  int percent = 0, sigma = 0;
+  ASSERT_EQ(std::sscanf(what.c_str(), "this magnet is %d +- %d %% stronger", &percent, &sigma), 2) << what;
+  EXPECT_LE(std::abs(percent - 10), 2 * sigma) << what;
+  EXPECT_LE(sigma, 3) << what;
 }
 
 TEST_F(ProcessCalibration, FallsBackToNominalGeometryWhenRejected) {

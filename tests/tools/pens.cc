@@ -159,7 +159,7 @@ TEST_P(ToolsPens, AnotherPenIsTrackedAndNamed) {
   EXPECT_NEAR(scenario.tool().moment_scale, GetParam(), 0.01);
   EXPECT_EQ(scenario.tool().magnet, MagnetIdentity::kNew);
   const std::string percent = std::to_string(std::lround(100 * std::abs(GetParam() - 1)));
-  const std::string said = "this magnet is " + percent + " % " + (GetParam() > 1 ? "stronger" : "weaker");
+  const std::string said = "this magnet is " + percent + " +- 1 % " + (GetParam() > 1 ? "stronger" : "weaker");
   EXPECT_NE(scenario.Findings().find(said), std::string::npos) << scenario.Findings();
   // As well as the own pen, but for the smaller field of a weaker one.
   PenScenario own({.hand = Waved(8)});
