@@ -5,21 +5,17 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <set>
 #include <string>
-#include <thread>
 
 #include "service/daemon/scenes/child_builder.h"
 #include "service/daemon/scenes/scene_builder.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/scene/cache/cache_store.h"
-#include "service/scene/glb_save.h"
+#include "tests/builder/scene_builder_test.h"
 #include "tests/haptics/scenario.h"
-#include "tests/support/process/temp_folder.h"
 
 namespace omni::daemon {
 namespace test_builder_child {
@@ -28,15 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr std::uint32_t kCoarse = 150;
 constexpr std::uint32_t kForever = 4000;
-
-bool Soon(const std::function<bool()>& holds) {
-  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(100);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > limit) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
-}
 
 std::shared_ptr<const BuildWay> Children() {
   return std::make_shared<const ChildBuilder>(OMNI_BINARY_DIR "/bin/omni-builder");
@@ -58,38 +45,8 @@ std::set<pid_t> RunningBuilders() {
   return all;
 }
 
-std::size_t OpenFiles() {
-  return static_cast<std::size_t>(std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator()));
-}
-
-class ChildBuilderTest : public testing::Test {
+class ChildBuilderTest : public SceneBuilderTest {
  protected:
-  config::AppEntry Saved(const std::string& name, const haptics::SceneInput& input) {
-    config::AppEntry app;
-    app.scene = folder_.Path(name + ".glb");
-    EXPECT_TRUE(scene::SaveGlb(app.scene, input).ok());
-    return app;
-  }
-  config::AppEntry Rigid(const std::string& name, int rings = 5) {
-    return Saved(name, haptics::SceneOf(haptics::Sphere(rings, 0.02)));
-  }
-  config::AppEntry Soft(const std::string& name) {
-    haptics::Material jelly;
-    jelly.softness.model = haptics::SoftnessModel::kTet;
-    haptics::SceneInput input = haptics::SceneOf(haptics::Sphere(8, 0.01), jelly);
-    input.objects[0].name = "ball";
-    return Saved(name, input);
-  }
-  static BuiltScene Result(SceneBuilder& builder) {
-    std::optional<BuiltScene> built;
-    EXPECT_TRUE(Soon([&] { return (built = builder.PopResult()).has_value(); }));
-    return built ? std::move(*built) : BuiltScene{};
-  }
-  static SoftOutcome Outcome(SceneBuilder& builder) {
-    std::optional<SoftOutcome> soft;
-    EXPECT_TRUE(Soon([&] { return (soft = builder.PopSoftOutcome()).has_value(); }));
-    return soft ? std::move(*soft) : SoftOutcome{};
-  }
   // The one builder that runs now.
   static pid_t Running() {
     pid_t pid = -1;
@@ -100,8 +57,6 @@ class ChildBuilderTest : public testing::Test {
     }));
     return pid;
   }
-
-  const test::TempFolder folder_;
 };
 
 bool Same(const haptics::Scene& a, const haptics::Scene& b) {

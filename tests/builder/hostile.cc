@@ -9,35 +9,18 @@
 
 #include <fcntl.h>
 
-#include <chrono>
 #include <filesystem>
-#include <functional>
 #include <string>
-#include <thread>
 
 #include "service/builder/confine.h"
 #include "service/daemon/scenes/child_builder.h"
 #include "service/daemon/scenes/scene_builder.h"
-#include "service/scene/glb_save.h"
-#include "tests/haptics/scenario.h"
-#include "tests/support/process/temp_folder.h"
+#include "tests/builder/scene_builder_test.h"
 
 namespace omni::daemon {
 namespace test_builder_hostile {
 
 namespace fs = std::filesystem;
-
-bool Soon(const std::function<bool()>& holds) {
-  for (int i = 0; i < 50'000; ++i) {
-    if (holds()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return false;
-}
-
-std::size_t OpenFiles() {
-  return static_cast<std::size_t>(std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator()));
-}
 
 struct Hostile {
   const char* what;
@@ -64,9 +47,8 @@ constexpr Hostile kHostile[] = {
     {"grows-memory", "it did not grow"},
 };
 
-class HostileBuilder : public testing::Test {
+class HostileBuilder : public SceneBuilderTest {
  protected:
-  HostileBuilder() { EXPECT_TRUE(scene::SaveGlb(app_.scene, haptics::SceneOf(haptics::Sphere(5, 0.02))).ok()); }
   // The program is what its name says.
   std::shared_ptr<const BuildWay> Way(const std::string& what) const {
     std::error_code there;
@@ -85,12 +67,7 @@ class HostileBuilder : public testing::Test {
     return built->error;
   }
 
-  const test::TempFolder folder_;
-  const config::AppEntry app_ = [this] {
-    config::AppEntry app;
-    app.scene = folder_.Path("ball.glb");
-    return app;
-  }();
+  const config::AppEntry app_ = Rigid("ball");
 };
 
 TEST_F(HostileBuilder, IsRefusedInWordsAndLeavesNothing) {

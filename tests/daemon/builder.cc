@@ -1,16 +1,11 @@
 // Scenes first, their soft bodies after: delivered, cached, cancelled, and never delaying another scene.
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <functional>
-#include <thread>
-
 #include "service/daemon/scenes/scene_builder.h"
 #include "service/haptics/live/live_parts.h"
 #include "service/haptics/scene/scene.h"
-#include "service/scene/glb_save.h"
+#include "tests/builder/scene_builder_test.h"
 #include "tests/haptics/scenario.h"
-#include "tests/support/process/temp_folder.h"
 
 namespace omni::daemon {
 namespace test_daemon_builder {
@@ -18,51 +13,9 @@ namespace test_daemon_builder {
 constexpr std::uint32_t kCoarse = 150;    // a tenth of a second
 constexpr std::uint32_t kForever = 4000;  // more than a test waits for
 
-bool Soon(const std::function<bool()>& holds) {
-  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > limit) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
-}
-
-class BuilderTest : public testing::Test {
+class BuilderTest : public SceneBuilderTest {
  protected:
-  // A file with `count` soft balls, as an application's scene.
-  config::AppEntry Soft(const std::string& name, int count) {
-    haptics::Material jelly;
-    jelly.softness.model = haptics::SoftnessModel::kTet;
-    haptics::SceneInput input = haptics::SceneOf(haptics::Sphere(8, 0.01), jelly);
-    input.objects[0].name = "ball 0";
-    for (int k = 1; k < count; ++k) {
-      input.objects.push_back(haptics::Sphere(8, 0.01 + 0.001 * k));
-      input.objects.back().name = "ball " + std::to_string(k);
-      for (base::Vec3& v : input.objects.back().vertices_base_m) v.x += 0.03 * k;
-    }
-    return Saved(name, input);
-  }
-  config::AppEntry Saved(const std::string& name, const haptics::SceneInput& input) {
-    config::AppEntry app;
-    app.scene = folder_.Path(name + ".glb");
-    EXPECT_TRUE(scene::SaveGlb(app.scene, input).ok());
-    return app;
-  }
-  config::AppEntry Rigid(const std::string& name) { return Saved(name, haptics::SceneOf(haptics::Sphere(5, 0.02))); }
   std::uint64_t Kept() const { return scene::CacheStore(folder_.Path("cache")).Usage().files; }
-
-  static BuiltScene Result(SceneBuilder& builder) {
-    std::optional<BuiltScene> built;
-    EXPECT_TRUE(Soon([&] { return (built = builder.PopResult()).has_value(); }));
-    return built ? std::move(*built) : BuiltScene{};
-  }
-  static SoftOutcome Outcome(SceneBuilder& builder) {
-    std::optional<SoftOutcome> soft;
-    EXPECT_TRUE(Soon([&] { return (soft = builder.PopSoftOutcome()).has_value(); }));
-    return soft ? std::move(*soft) : SoftOutcome{};
-  }
-
-  const test::TempFolder folder_;
 };
 
 TEST_F(BuilderTest, ASceneWithoutTagsHasNoLiveParts) {

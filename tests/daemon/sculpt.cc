@@ -4,7 +4,6 @@
 #include <sys/mman.h>
 
 #include <atomic>
-#include <functional>
 
 #include <nlohmann/json.hpp>
 
@@ -14,6 +13,7 @@
 #include "service/haptics/sculpt/sculpt_query.h"
 #include "service/scene/scene_file.h"
 #include "tests/haptics/scenario.h"
+#include "tests/support/in_time.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::daemon {
@@ -21,17 +21,9 @@ namespace test_daemon_sculpt {
 
 using haptics::sculpt::StrokeKind;
 using haptics::sculpt::StrokeMessage;
+using test::InTime;
 
 constexpr double kRadius_m = 0.02;
-
-bool InTime(const std::function<bool()>& holds) {
-  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > limit) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
 
 std::shared_ptr<const haptics::Scene> Lumps(int count) {
   haptics::Material clay;

@@ -2,7 +2,7 @@
 // the file is free for the next session once the scene is gone.
 #include <gtest/gtest.h>
 
-#include <functional>
+#include <chrono>
 #include <thread>
 
 #include "service/daemon/scenes/sculpt_thread.h"
@@ -10,6 +10,7 @@
 #include "service/scene/journal/journal_folder.h"
 #include "service/scene/journal/sculpt_journal.h"
 #include "tests/haptics/scenario.h"
+#include "tests/support/in_time.h"
 #include "tests/support/process/temp_folder.h"
 
 namespace omni::daemon {
@@ -17,17 +18,9 @@ namespace test_daemon_sculpt_journal {
 
 using haptics::sculpt::StrokeKind;
 using haptics::sculpt::StrokeMessage;
+using test::InTime;
 
 constexpr double kRadius_m = 0.02;
-
-bool InTime(const std::function<bool()>& holds) {
-  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > limit) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
 
 class SculptThreadJournal : public testing::Test {
  protected:
