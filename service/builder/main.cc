@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "service/base/clock.h"
+#include "service/base/files/whole_file.h"
 #include "service/base/unique_fd.h"
 #include "service/builder/confine.h"
 #include "service/builder/messages.h"
@@ -32,7 +33,7 @@ namespace {
 constexpr int kExitFailed = 1;
 constexpr std::int64_t kBetweenProgress_ns = 100'000'000;
 
-// omnid has gone, or is of another build: there is nobody to say it to.
+// omnid has ended, or is of another build: no answer would be read.
 struct Unanswered {};
 
 void Wait(short event) {
@@ -106,13 +107,7 @@ class Result {
   // After what was written before. False: it does not fit.
   bool Append(std::span<const std::byte> part) {
     if (part.size() > bytes_ - written_) return false;
-    for (std::size_t done = 0; done < part.size();) {
-      const ssize_t more =
-          pwrite(memory_.get(), part.data() + done, part.size() - done, static_cast<off_t>(written_ + done));
-      if (more < 0 && errno == EINTR) continue;
-      if (more <= 0) throw std::bad_alloc();
-      done += static_cast<std::size_t>(more);
-    }
+    if (base::WriteAt(memory_.get(), written_, part.data(), part.size()) != 0) throw std::bad_alloc();
     written_ += part.size();
     return true;
   }
@@ -187,13 +182,7 @@ void BuildScene(Message& request) {
 template <class T>
 std::vector<T> ReadList(int memory, std::uint64_t count, std::uint64_t at) {
   std::vector<T> list(count);
-  const std::span<std::byte> bytes = std::as_writable_bytes(std::span(list));
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t more = pread(memory, bytes.data() + done, bytes.size() - done, static_cast<off_t>(at + done));
-    if (more < 0 && errno == EINTR) continue;
-    if (more <= 0) throw Unanswered{};
-    done += static_cast<std::size_t>(more);
-  }
+  if (base::ReadAt(memory, at, list.data(), sizeof(T) * list.size()) != 0) throw Unanswered{};
   return list;
 }
 

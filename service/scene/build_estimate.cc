@@ -1,13 +1,9 @@
 #include "service/scene/build_estimate.h"
 
 #include <algorithm>
-#include <exception>
-#include <new>
-#include <utility>
 
 #include "service/haptics/geometry/mesh_repair.h"
 #include "service/haptics/scene/scene.h"
-#include "service/scene/scene_reader.h"
 
 namespace omni::scene {
 namespace {
@@ -27,7 +23,7 @@ std::uint64_t UvBytes(std::uint64_t uv_triangles) { return uv_triangles * sizeof
 
 }  // namespace
 
-BuildEstimate EstimateBuild(SceneCounts counts) {
+BuildEstimate EstimateBuild(const SceneCounts& counts) {
   BuildEstimate estimate;
   std::uint64_t scene = 0, built = 0, input = 0, soft = 0, sculpted = 0, live_peak = 0;
   for (const ObjectCounts& object : counts.objects) {
@@ -48,7 +44,6 @@ BuildEstimate EstimateBuild(SceneCounts counts) {
   const std::uint64_t parsed = counts.json_bytes + counts.document_bytes * 3 / 2;
   if (counts.objects.empty()) {
     estimate.peak_bytes = kFixed + parsed + counts.nodes * kPerNode;
-    estimate.counts = std::move(counts);
     return estimate;
   }
   scene += kFixed + counts.texels + std::min<std::uint64_t>(counts.primitives, UINT16_MAX) * sizeof(haptics::Material);
@@ -60,21 +55,7 @@ BuildEstimate EstimateBuild(SceneCounts counts) {
       2 * counts.mesh_bytes + counts.image_bytes + 3 * counts.largest_image_samples + 2 * decoded;
   estimate.peak_bytes = kFixed + document + std::max(reading, decoded + 2 * input + built);
   estimate.peak_bytes = std::max(estimate.peak_bytes, estimate.kept_bytes + live_peak);
-  estimate.counts = std::move(counts);
   return estimate;
-}
-
-base::Result<BuildEstimate> EstimateSceneFile(const std::string& path, const LoadOptions& options) {
-  LoadReport report;
-  try {
-    return EstimateBuild(SceneReader(path, options, report).Count());
-  } catch (const base::Cancelled& cancelled) {
-    return base::Error{cancelled.what()};
-  } catch (const std::bad_alloc&) {
-    return base::Error{path + ": does not fit into memory; simplify the model"};
-  } catch (const std::exception& error) {
-    return base::Error{path + ": " + error.what()};
-  }
 }
 
 }  // namespace omni::scene

@@ -3,11 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
-
-#include "service/base/result.h"
-#include "service/scene/scene_file.h"
 
 namespace omni::scene {
 
@@ -15,7 +11,7 @@ namespace omni::scene {
 struct ObjectCounts {
   std::uint64_t triangles = 0, vertices = 0;
   std::uint64_t uv_triangles = 0;  // triangles, for each set of texture coordinates that is read
-  bool soft = false, sculpted = false, extruded = false, car_wall = false;
+  bool soft = false, sculpted = false, car_wall = false;
 };
 
 struct SceneCounts {
@@ -32,15 +28,10 @@ struct SceneCounts {
 // Upper bounds. For some thousand triangles and more, of which repair drops few, less than twice what it is; a soft
 // body is always taken for one of the largest.
 struct BuildEstimate {
-  SceneCounts counts;
   std::uint64_t kept_bytes = 0;  // by the scene and its soft bodies and sculpted objects, while it is in use
   std::uint64_t peak_bytes = 0;  // while it is loaded and these are made, in addition to what the process had before
 };
 
-BuildEstimate EstimateBuild(SceneCounts counts);
-
-// Of the file that LoadScene would load with these options; zeros where it would give the empty scene. Takes as long as
-// parsing the JSON. Errors: those of LoadScene that the JSON shows.
-base::Result<BuildEstimate> EstimateSceneFile(const std::string& path, const LoadOptions& options);
+BuildEstimate EstimateBuild(const SceneCounts& counts);
 
 }  // namespace omni::scene

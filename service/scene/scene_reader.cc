@@ -245,7 +245,6 @@ class SceneReader::Loader {
       object.uv_triangles += instances * size.triangles * static_cast<unsigned>(std::popcount(sets));
       object.soft = object.soft || tag.softness == haptics::SoftnessModel::kTet;
       object.sculpted = object.sculpted || tag.sculptable.value_or(false);
-      object.extruded = object.extruded || tag.extrude.value_or(false);
       object.car_wall = object.car_wall || tag.role == Role::kWall;
     }
     return object;

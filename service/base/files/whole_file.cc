@@ -54,22 +54,13 @@ std::string FolderOf(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
-// Only then does a name in it survive a power cut. Some file systems cannot sync folders; they write them at their own
-// pace.
-void SyncFolder(const std::string& folder) {
-  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return;
-  ::fsync(fd);
-  ::close(fd);
-}
-
 int MakeFolder(const std::string& folder) {
   std::error_code ignored;
   if (fs::is_directory(folder, ignored)) return 0;
   const std::string above = FolderOf(folder);
   if (const int error = MakeFolder(above); error != 0) return error;
   if (::mkdir(folder.c_str(), 0777) != 0) return errno == EEXIST ? ENOTDIR : errno;
-  SyncFolder(above);
+  SyncFolderOf(folder);
   return 0;
 }
 
@@ -84,54 +75,13 @@ bool WriteAll(int fd, std::string_view content) {
   return true;
 }
 
-// The temporary file in the same folder; removed on destruction unless it was placed.
-class UnfinishedFile {
- public:
-  explicit UnfinishedFile(const std::string& path) {
-    std::uint32_t number = 0;
-    [[maybe_unused]] const auto any = ::getrandom(&number, sizeof number, GRND_NONBLOCK);
-    for (std::uint32_t i = 0; i < kNamesTried; ++i) {
-      char digits[9];
-      std::snprintf(digits, sizeof digits, "%08x", number + i);
-      name_ = path + std::string(kUnfinishedMark) + digits;
-      fd_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-      if (fd_ >= 0 || errno != EEXIST) break;
-    }
-    if (fd_ < 0) error_ = errno;
+int Fill(int fd, std::initializer_list<std::string_view> content, std::optional<mode_t> mode) {
+  for (const std::string_view piece : content) {
+    if (!WriteAll(fd, piece)) return errno;
   }
-  ~UnfinishedFile() {
-    if (fd_ >= 0) ::close(fd_);
-    if (fd_ >= 0 && !placed_) ::unlink(name_.c_str());
-  }
-  UnfinishedFile(const UnfinishedFile&) = delete;
-  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
-
-  int error() const { return error_; }
-
-  int Fill(std::initializer_list<std::string_view> content, std::optional<mode_t> mode) {
-    for (const std::string_view piece : content) {
-      if (!WriteAll(fd_, piece)) return errno;
-    }
-    if (mode && ::fchmod(fd_, *mode) != 0) return errno;
-    return ::fsync(fd_) == 0 ? 0 : errno;
-  }
-
-  int Place(const std::string& path, bool replace) {
-    placed_ = replace ? ::rename(name_.c_str(), path.c_str()) == 0
-                      : ::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, path.c_str(), RENAME_NOREPLACE) == 0;
-    if (!placed_ && !replace && (errno == EINVAL || errno == ENOSYS)) {
-      // For a file system without that flag: link() fails if the name already exists.
-      return ::link(name_.c_str(), path.c_str()) == 0 ? 0 : errno;
-    }
-    return placed_ ? 0 : errno;
-  }
-
- private:
-  std::string name_;
-  int fd_ = -1;
-  int error_ = 0;
-  bool placed_ = false;
-};
+  if (mode && ::fchmod(fd, *mode) != 0) return errno;
+  return ::fsync(fd) == 0 ? 0 : errno;
+}
 
 // Checks what is at the path now: the mode that a new file inherits, or why it may not be written.
 int CheckPlace(const std::string& path, bool replace, std::optional<mode_t>& mode) {
@@ -182,6 +132,69 @@ std::string CauseAndRemedy(const std::string& path, int error) {
 
 }  // namespace
 
+UnfinishedFile::UnfinishedFile(const std::string& path, mode_t mode) {
+  std::uint32_t number = 0;
+  [[maybe_unused]] const auto any = ::getrandom(&number, sizeof number, GRND_NONBLOCK);
+  for (std::uint32_t i = 0; i < kNamesTried; ++i) {
+    char digits[9];
+    std::snprintf(digits, sizeof digits, "%08x", number + i);
+    name_ = path + std::string(kUnfinishedMark) + digits;
+    fd_.Reset(::open(name_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode));
+    error_ = fd_ ? 0 : errno;
+    if (error_ != EEXIST) break;
+  }
+}
+
+UnfinishedFile::~UnfinishedFile() {
+  if (error_ == 0 && !placed_) ::unlink(name_.c_str());
+}
+
+int UnfinishedFile::Place(const std::string& path, bool replace) {
+  int error = 0;
+  if (replace) {
+    error = ::rename(name_.c_str(), path.c_str()) == 0 ? 0 : errno;
+  } else {
+    error = MoveToFreeName(name_, path);
+  }
+  placed_ = error == 0;
+  return error;
+}
+
+int MoveToFreeName(const std::string& from, const std::string& to) {
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
+  if (errno != EINVAL && errno != ENOSYS) return errno;
+  // For a file system without that flag: link() fails if the name already exists.
+  if (::link(from.c_str(), to.c_str()) != 0) return errno;
+  ::unlink(from.c_str());
+  return 0;
+}
+
+void SyncFolderOf(const std::string& path) {
+  const UniqueFd fd(::open(FolderOf(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (fd) ::fsync(fd.get());
+}
+
+int WriteAt(int fd, std::uint64_t offset, const void* from, std::size_t size) {
+  for (std::size_t done = 0; done < size;) {
+    const ssize_t more =
+        ::pwrite(fd, static_cast<const char*>(from) + done, size - done, static_cast<off_t>(offset + done));
+    if (more < 0 && errno == EINTR) continue;
+    if (more <= 0) return more == 0 ? EIO : errno;
+    done += static_cast<std::size_t>(more);
+  }
+  return 0;
+}
+
+int ReadAt(int fd, std::uint64_t offset, void* to, std::size_t size) {
+  for (std::size_t done = 0; done < size;) {
+    const ssize_t more = ::pread(fd, static_cast<char*>(to) + done, size - done, static_cast<off_t>(offset + done));
+    if (more < 0 && errno == EINTR) continue;
+    if (more <= 0) return more == 0 ? EIO : errno;
+    done += static_cast<std::size_t>(more);
+  }
+  return 0;
+}
+
 Result<std::string> ReadFile(const std::string& path, std::size_t max_bytes) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (fd < 0) return CannotRead(path, errno);
@@ -196,9 +209,9 @@ int PutWholeFile(const std::string& path, std::initializer_list<std::string_view
   if (const int error = Prepare(path, options, mode); error != 0) return error;
   UnfinishedFile unfinished(path);
   if (unfinished.error() != 0) return unfinished.error();
-  if (const int error = unfinished.Fill(content, mode); error != 0) return error;
+  if (const int error = Fill(unfinished.fd(), content, mode); error != 0) return error;
   if (const int error = unfinished.Place(path, options.replace); error != 0) return error;
-  SyncFolder(FolderOf(path));
+  SyncFolderOf(path);
   return 0;
 }
 
@@ -216,7 +229,7 @@ Status RemoveWholeFile(const std::string& path) {
   if (::unlink(path.c_str()) != 0 && errno != ENOENT && errno != ENOTDIR) {
     return Error{path + ": cannot be removed: " + CauseAndRemedy(path, errno)};
   }
-  SyncFolder(FolderOf(path));
+  SyncFolderOf(path);
   return Ok{};
 }
 

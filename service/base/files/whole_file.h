@@ -8,10 +8,12 @@
 #include <sys/types.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "service/base/result.h"
 #include "service/base/unique_fd.h"
@@ -26,6 +28,38 @@ struct WholeFileOptions {
 
 // Name of the temporary file: the path, this, and eight digits. Left behind only by a killed process.
 inline constexpr std::string_view kUnfinishedMark = ".new-";
+
+// A file beside the one that it is to become; removed on destruction unless it was placed.
+class UnfinishedFile {
+ public:
+  explicit UnfinishedFile(const std::string& path, mode_t mode = 0666);
+  ~UnfinishedFile();
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
+
+  int error() const { return error_; }  // errno; 0: it was made
+  int fd() const { return fd_.get(); }  // for reading and writing
+  // 0, or the errno. EEXIST: it may not replace what is there. The folder is not synced.
+  int Place(const std::string& path, bool replace);
+  UniqueFd Take() { return std::move(fd_); }  // after it was placed
+
+ private:
+  std::string name_;
+  UniqueFd fd_;
+  int error_ = 0;
+  bool placed_ = false;
+};
+
+// 0, or the errno; EEXIST: the name is taken.
+int MoveToFreeName(const std::string& from, const std::string& to);
+
+// Only then does a name in the folder of `path` survive a power cut. Some file systems cannot sync folders; they write
+// them at their own pace.
+void SyncFolderOf(const std::string& path);
+
+// At this place of an open file, all of it. 0, or the errno; ReadAt: EIO where the file ends before.
+int WriteAt(int fd, std::uint64_t offset, const void* from, std::size_t size);
+int ReadAt(int fd, std::uint64_t offset, void* to, std::size_t size);
 
 // The pieces of `content` one after another. A symbolic link at `path` is itself replaced by the file, and its target
 // is never written: a planted link cannot choose which file is lost. Folders in the path may be links. Returns 0, or

@@ -27,7 +27,7 @@ constexpr std::uint64_t kMegabyte = 1'000'000;
 // reserved and not used.
 constexpr std::uint64_t kPlainSpace = 96 * kMegabyte;
 constexpr rlim_t kOpenFiles = 128;  // a hundred beside the document
-// A builder that has used no processor for so long has stopped working: it waits for nobody but us.
+// A builder that has used no processor for so long has stopped working: it waits for omnid alone.
 constexpr int kLook_ms = 5000, kPatience = 12;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

@@ -16,7 +16,7 @@
 
 namespace omni::daemon {
 
-// It ended early, misbehaved, or its build was cancelled: an error in words, or none when nobody is to hear of it.
+// It ended early, misbehaved, or its build was cancelled: an error in words, or none if it was cancelled.
 struct BuilderEnded {
   std::string why;
 };

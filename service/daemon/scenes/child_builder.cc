@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "service/base/files/whole_file.h"
 #include "service/base/sealed_memory.h"
 #include "service/builder/messages.h"
 #include "service/daemon/scenes/builder_process.h"
@@ -46,11 +47,11 @@ Block CopyOf(int memory, std::uint64_t bytes, const CancelEvent& cancel) {
   Block block(bytes);
   for (std::size_t done = 0; done < bytes;) {
     if (cancel.is_set()) throw BuilderEnded{};
-    const ssize_t got =
-        pread(memory, block.data() + done, std::min(kCopied, block.size() - done), static_cast<off_t>(done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) throw BuilderEnded{"the builder's result cannot be read"};
-    done += static_cast<std::size_t>(got);
+    const std::size_t now = std::min(kCopied, block.size() - done);
+    if (base::ReadAt(memory, done, block.data() + done, now) != 0) {
+      throw BuilderEnded{"the builder's result cannot be read"};
+    }
+    done += now;
   }
   return block;
 }
@@ -89,9 +90,6 @@ class SceneTalk {
             const scene::LoadSteps& steps, const CancelEvent& cancel)
       : process_(process), file_(file), options_(options), steps_(steps), cancel_(cancel) {}
 
-  // Of another one that has the caller's answer: there is no scene, and no error.
-  bool ended_by_caller() const { return ended_by_caller_; }
-
   base::Result<haptics::Scene> Run(scene::LoadReport& load, haptics::BuildReport& report) {
     json_bytes_ = scene::JsonBytesOf(options_.memory);
     granted_ = scene::NeedToRead(json_bytes_, scene::FileBytesOf(options_.memory)).peak_bytes;
@@ -101,11 +99,12 @@ class SceneTalk {
       const BuilderProcess::Message message = Next();
       switch (message.kind) {
         case builder::Kind::kNeed:
-          if (!Admit(message.ReadAs<builder::Need>())) return Ended();
+          if (!Admit(message.ReadAs<builder::Need>())) return base::Error{};  // the caller has the answer
           break;
         case builder::Kind::kDigest:
           if (!memory_ || std::exchange(digested_, true)) throw BuilderEnded{kBroken};
-          if (!steps_.build(message.ReadAs<builder::Digest>().bytes)) return Ended();
+          if (!steps_.build(message.ReadAs<builder::Digest>().bytes))
+            return base::Error{};  // the caller has the answer
           process_.Send(builder::Build{});
           break;
         default:
@@ -174,11 +173,6 @@ class SceneTalk {
     return true;
   }
 
-  base::Result<haptics::Scene> Ended() {
-    ended_by_caller_ = true;
-    return base::Error{};
-  }
-
   base::Result<haptics::Scene> Take(const BuilderProcess::Message& message, scene::LoadReport& load,
                                     haptics::BuildReport& report) {
     std::string text;
@@ -213,20 +207,18 @@ class SceneTalk {
   base::UniqueFd memory_;
   std::uint64_t json_bytes_ = 0, memory_bytes_ = 0, granted_ = 0;
   std::uint32_t opened_ = 0;
-  bool digested_ = false, ended_by_caller_ = false;
+  bool digested_ = false;
 };
 
 // The mesh as messages.h lays it out.
 base::UniqueFd MemoryOf(const haptics::Mesh& mesh) {
   base::UniqueFd memory(memfd_create("omni-mesh", MFD_CLOEXEC));
-  const auto vertices = std::as_bytes(std::span(mesh.vertices)), triangles = std::as_bytes(std::span(mesh.triangles));
-  for (const auto bytes : {vertices, triangles}) {
-    for (std::size_t done = 0; done < bytes.size();) {
-      const ssize_t more = memory ? write(memory.get(), bytes.data() + done, bytes.size() - done) : -1;
-      if (more < 0 && errno == EINTR) continue;
-      if (more <= 0) throw BuilderEnded{std::string("no memory for a mesh: ") + std::strerror(errno)};
-      done += static_cast<std::size_t>(more);
-    }
+  if (!memory) throw BuilderEnded{std::string("no memory for a mesh: ") + std::strerror(errno)};
+  std::uint64_t size = 0;
+  for (const auto part : {std::as_bytes(std::span(mesh.vertices)), std::as_bytes(std::span(mesh.triangles))}) {
+    const int error = base::WriteAt(memory.get(), size, part.data(), part.size());
+    if (error != 0) throw BuilderEnded{std::string("no memory for a mesh: ") + std::strerror(error)};
+    size += part.size();
   }
   return memory;
 }

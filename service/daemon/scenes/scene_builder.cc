@@ -86,7 +86,7 @@ class SceneBuilder::Work : public std::enable_shared_from_this<Work> {
     for (const auto& [number, task] : tasks_) task->cancel.Set();
     wake_.notify_all();
     ended_.wait_for(lock, kEndPatience, [this] { return threads_ == 0; });
-    // What nobody will ask for any more; scenes free their memory here.
+    // What will not be popped any more; scenes free their memory here.
     const auto results = std::move(results_);
     std::vector<std::shared_ptr<Task>> waiting;
     for (auto entry = tasks_.begin(); entry != tasks_.end();) {
@@ -159,7 +159,7 @@ class SceneBuilder::Work : public std::enable_shared_from_this<Work> {
     std::vector<std::shared_ptr<Task>> tasks;
     std::vector<BuiltScene> results;
   };
-  // A scene, and its memory until nobody has it any more.
+  // A scene, and its memory until its last holder gives it up.
   struct KeptScene {
     KeptScene(std::shared_ptr<Work> owner, haptics::Scene made) : work(std::move(owner)), scene(std::move(made)) {}
     ~KeptScene() {
@@ -277,7 +277,10 @@ class SceneBuilder::Work : public std::enable_shared_from_this<Work> {
       made->kept = budget_.Finish(number, made->scene.bytes() + haptics::SculptSessionBytes(made->scene, plan));
       built.scene = std::shared_ptr<const haptics::Scene>(made, &made->scene);
       built.build = ++builds_;
-      if (!plan.soft.empty()) AddSoft(task, built, made->kept, plan);
+      if (!plan.soft.empty()) {
+        progress_[task.client] = {.objects = static_cast<std::uint32_t>(plan.soft.size())};
+        AddSoft(task, built.file, built.scene, made->kept, {plan.soft.begin(), plan.soft.end()});
+      }
     }
     results_.push_back(std::move(built));
     return End::kDone;
@@ -374,16 +377,16 @@ class SceneBuilder::Work : public std::enable_shared_from_this<Work> {
     return budget_.RoomFor(number);
   }
 
-  // With the lock held.
-  void AddSoft(const Task& of, const BuiltScene& built, MemoryBudget::Number kept, const haptics::LivePlan& plan) {
-    progress_[of.client] = {.objects = static_cast<std::uint32_t>(plan.soft.size())};
+  // The next soft body of a scene. With the lock held.
+  void AddSoft(const Task& of, const std::string& file, std::shared_ptr<const haptics::Scene> scene,
+               MemoryBudget::Number kept, std::deque<std::uint32_t> objects) {
     auto task = std::make_shared<Task>();
     task->client = of.client;
     task->payer = of.payer;
-    task->file = built.file;
-    task->scene = built.scene;
+    task->file = file;
+    task->scene = std::move(scene);
     task->kept = kept;
-    task->objects.assign(plan.soft.begin(), plan.soft.end());
+    task->objects = std::move(objects);
     Add(std::move(task), {});
   }
 
@@ -409,15 +412,7 @@ class SceneBuilder::Work : public std::enable_shared_from_this<Work> {
     }
     outcomes_.push_back(std::move(outcome));
     task.objects.pop_front();
-    if (task.objects.empty()) return End::kDone;
-    auto next = std::make_shared<Task>();
-    next->client = task.client;
-    next->payer = task.payer;
-    next->file = task.file;
-    next->scene = task.scene;
-    next->kept = task.kept;
-    next->objects = std::move(task.objects);
-    Add(std::move(next), {});
+    if (!task.objects.empty()) AddSoft(task, task.file, task.scene, task.kept, std::move(task.objects));
     return End::kDone;
   }
 

@@ -27,7 +27,7 @@ struct BuiltScene {
   std::uint64_t build = 0;  // a number that is never reused
   std::string file;
   // Null: failed, see error. Includes its live parts, if any: sculpt sessions at once, soft bodies as they get ready.
-  // Its memory counts for its client until nobody has it any more.
+  // Its memory counts for its client until its last holder gives it up.
   std::shared_ptr<const haptics::Scene> scene;
   std::string error;
   std::vector<std::string> warnings;

@@ -1,7 +1,6 @@
 // The steps of ConnectAndOrient (mesh_repair.h): edges, cracks, small holes, orientation. Set-up only.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 

@@ -337,10 +337,6 @@ void FillHeader(const SceneInput& input, SceneParts& parts) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 base::Result<Scene> Build(SceneInput& input, BuildReport& report, const base::WorkWatch& watch) {
   const auto start = std::chrono::steady_clock::now();
   report = {};

@@ -169,9 +169,7 @@ bool SculptEditor::Redo() {
 }
 
 std::string SculptEditor::ProblemWithMesh() const {
-  std::vector<const Page*> pages;
-  for (std::uint32_t page = 0; page < mesh_->page_count(); ++page) pages.push_back(&mesh_->GetPage(page));
-  return ProblemWithPages(pages.data(), mesh_->page_count(), limits_);
+  return ProblemWithPages(TableOf(*mesh_).data(), mesh_->page_count(), limits_);
 }
 
 base::Status SculptEditor::Restore(EditHistory history) {
@@ -180,9 +178,7 @@ base::Status SculptEditor::Restore(EditHistory history) {
   bool well_formed = history.done <= history.steps.size() && IsWellFormed(history.base, pages);
   for (const UndoStep& step : history.steps) well_formed = well_formed && IsWellFormed(step, pages);
   if (!well_formed) return Error{"sculpting: a kept edit names pages that there are not"};
-  std::vector<const Page*> before;
-  for (std::uint32_t page = 0; page < mesh_->page_count(); ++page) before.push_back(&mesh_->GetPage(page));
-  limits_ = LimitsOf(before.data(), mesh_->page_count());
+  limits_ = LimitsOf(TableOf(*mesh_).data(), mesh_->page_count());
   const auto apply = [&] {
     mesh_->Apply(history.base);
     for (std::size_t i = 0; i < history.done; ++i) mesh_->Apply(history.steps[i]);

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "service/haptics/sculpt/mesh/check_manifold.h"
 #include "service/haptics/sculpt/mesh/remesh.h"
@@ -33,6 +34,12 @@ struct EditHistory {
   UndoStep base;                // cannot be undone
   std::vector<UndoStep> steps;  // the first `done` are applied, the others can be redone
   std::size_t done = 0;
+
+  // Another one is done: what was undone cannot be redone any more.
+  void Push(UndoStep step) {
+    steps.resize(done++);
+    steps.push_back(std::move(step));
+  }
 };
 
 // Pages as plain lists: neighbours and components filled, in the order of pages.

@@ -55,18 +55,6 @@ class File {
   int descriptor_;
 };
 
-bool ReadAll(int descriptor, void* to, std::size_t count) {
-  auto* out = static_cast<char*>(to);
-  while (count > 0) {
-    const ssize_t got = read(descriptor, out, count);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
-    out += got;
-    count -= static_cast<std::size_t>(got);
-  }
-  return true;
-}
-
 std::string CacheReason(int error) { return std::error_code(error, std::generic_category()).message(); }
 
 struct Entry {
@@ -144,7 +132,7 @@ std::optional<CacheBlock> CacheStore::Get(const CacheKey& key, std::string& dama
   CacheBlock block;
   if (fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_uid != geteuid()) {
     damage = "is not a regular file owned by this user";
-  } else if (!ReadAll(file.get(), &header, sizeof header)) {
+  } else if (base::ReadAt(file.get(), 0, &header, sizeof header) != 0) {
     damage = "ends inside its header";
   } else if (header.magic != kCacheMagic || header.format != kCacheFormat) {
     damage = "has an unknown format";
@@ -155,7 +143,7 @@ std::optional<CacheBlock> CacheStore::Get(const CacheKey& key, std::string& dama
     damage = "has " + std::to_string(status.st_size) + " bytes, its header says otherwise";
   } else {
     block.resize(static_cast<std::size_t>(header.bytes));
-    if (!ReadAll(file.get(), block.data(), block.size())) damage = "cannot be read";
+    if (base::ReadAt(file.get(), sizeof header, block.data(), block.size()) != 0) damage = "cannot be read";
     if (damage.empty() && ChecksumOfBlock(block) != header.checksum) damage = "has a wrong checksum";
   }
   if (!damage.empty()) {

@@ -1,9 +1,7 @@
 #include "service/scene/journal/journal_folder.h"
 
 #include <fcntl.h>
-#include <stdio.h>
 #include <sys/file.h>
-#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -71,12 +69,6 @@ bool IsSaved(int fd, std::uint64_t bytes) {
          EndsSaved({last, sizeof last});
 }
 
-void SyncFolderOf(const std::string& path) {
-  const std::string folder = fs::path(path).parent_path().string();
-  const base::UniqueFd fd(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (fd) ::fsync(fd.get());
-}
-
 std::string MegaBytes(std::uint64_t bytes) { return std::to_string((bytes + 500'000) / 1'000'000) + " MB"; }
 
 }  // namespace
@@ -134,37 +126,6 @@ bool IsStillAt(int fd, const std::string& path) {
          mine.st_dev == there.st_dev;
 }
 
-bool ReadExactly(int fd, std::string& to) {
-  for (std::size_t size = 0; size < to.size();) {
-    const ssize_t count = ::pread(fd, to.data() + size, to.size() - size, static_cast<off_t>(size));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    size += static_cast<std::size_t>(count);
-  }
-  return true;
-}
-
-int WriteAt(int fd, std::uint64_t offset, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t done = ::pwrite(fd, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) return done == 0 ? EIO : errno;
-    bytes.remove_prefix(static_cast<std::size_t>(done));
-    offset += static_cast<std::uint64_t>(done);
-  }
-  return ::fdatasync(fd) == 0 ? 0 : errno;
-}
-
-int MoveToFreeName(const std::string& from, const std::string& to) {
-  int error = ::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0 ? 0 : errno;
-  if (error == EINVAL || error == ENOSYS) {  // a file system without that flag
-    error = ::link(from.c_str(), to.c_str()) == 0 ? 0 : errno;
-    if (error == 0) ::unlink(from.c_str());
-  }
-  if (error == 0) SyncFolderOf(to);
-  return error;
-}
-
 std::string MakeRoomFor(const std::string& folder, std::uint64_t bytes, std::uint64_t limit) {
   std::vector<FolderEntry> entries = EntriesIn(folder);
   std::sort(entries.begin(), entries.end(), [](const FolderEntry& a, const FolderEntry& b) {
@@ -184,35 +145,6 @@ std::string MakeRoomFor(const std::string& folder, std::uint64_t bytes, std::uin
   if (sum <= limit) return {};
   return folder + ": holds " + MegaBytes(sum - bytes) + " of strokes that were not saved, the limit is " +
          MegaBytes(limit) + "; save or discard some (omni scene recover)";
-}
-
-UnnamedJournal::UnnamedJournal(const std::string& path) {
-  std::uint32_t number = 0;
-  [[maybe_unused]] const auto any = ::getrandom(&number, sizeof number, GRND_NONBLOCK);
-  char digits[9];
-  std::snprintf(digits, sizeof digits, "%08x", number);
-  name_ = path + std::string(base::kUnfinishedMark) + digits;
-  fd_ = base::UniqueFd(::open(name_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
-  if (!fd_ || ::flock(fd_.get(), LOCK_EX | LOCK_NB) != 0) error_ = errno;
-}
-
-UnnamedJournal::~UnnamedJournal() {
-  if (!placed_ && error_ != EEXIST) ::unlink(name_.c_str());
-}
-
-int UnnamedJournal::Fill(std::string_view content) { return error_ != 0 ? error_ : WriteAt(fd_.get(), 0, content); }
-
-int UnnamedJournal::PlaceNew(const std::string& path) {
-  const int error = MoveToFreeName(name_, path);
-  placed_ = error == 0;
-  return error;
-}
-
-int UnnamedJournal::PlaceOver(const std::string& path) {
-  if (::rename(name_.c_str(), path.c_str()) != 0) return errno;
-  placed_ = true;
-  SyncFolderOf(path);
-  return 0;
 }
 
 }  // namespace omni::scene

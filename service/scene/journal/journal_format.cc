@@ -179,14 +179,14 @@ class Parser {
       }
       case RecordKind::kStroke:
         content_.open.reset();
-        PushStep(StepFrom(payload));
+        edits.Push(StepFrom(payload));
         return nullptr;
       case RecordKind::kOpen:
         content_.open = StepFrom(payload);
         return nullptr;
       case RecordKind::kClose:
         if (!content_.open) return "no stroke to close";
-        PushStep(std::move(*content_.open));
+        edits.Push(std::move(*content_.open));
         content_.open.reset();
         return nullptr;
       case RecordKind::kUndo:
@@ -202,12 +202,6 @@ class Parser {
         return nullptr;
     }
     return "of an unknown kind";
-  }
-
-  void PushStep(UndoStep step) {
-    haptics::sculpt::EditHistory& edits = content_.edits;
-    edits.steps.resize(edits.done++);
-    edits.steps.push_back(std::move(step));
   }
 
   std::string_view bytes_;
@@ -299,9 +293,7 @@ std::string BasePayload(std::int64_t strokes, const UndoStep& step) {
 
 haptics::sculpt::EditHistory JournalContent::Closed() const {
   haptics::sculpt::EditHistory closed = edits;
-  if (!open) return closed;
-  closed.steps.resize(closed.done++);
-  closed.steps.push_back(*open);
+  if (open) closed.Push(*open);
   return closed;
 }
 

@@ -28,9 +28,7 @@ JournalHead HeadOf(const haptics::Scene& scene, std::uint32_t index, const Sculp
   head.scene = place.file;
   head.object = object.name;
   head.car_wall = (object.flags & haptics::kCarWall) != 0;
-  std::vector<const haptics::sculpt::Page*> pages;
-  for (std::uint32_t page = 0; page < editor.mesh().page_count(); ++page) pages.push_back(&editor.mesh().GetPage(page));
-  head.materials = LimitsOf(pages.data(), editor.mesh().page_count()).materials;
+  head.materials = LimitsOf(TableOf(editor.mesh()).data(), editor.mesh().page_count()).materials;
   std::vector<haptics::Material> materials;
   for (const std::uint16_t m : head.materials) materials.push_back(scene.materials()[m]);
   head.materials_glb = MaterialsGlb(materials);

@@ -21,14 +21,29 @@ namespace {
 using haptics::sculpt::UndoStep;
 
 constexpr std::chrono::milliseconds kTryAgain{10};
+constexpr mode_t kJournalMode = 0600;
 constexpr int kMaxSlots = 16;  // sessions of one application with one scene at the same time
 
 std::int64_t UnixNow_s() { return static_cast<std::int64_t>(std::time(nullptr)); }
 
+// Written and synced. 0, or the errno.
+int Keep(int fd, std::uint64_t offset, std::string_view bytes) {
+  const int error = base::WriteAt(fd, offset, bytes.data(), bytes.size());
+  if (error != 0) return error;
+  return ::fdatasync(fd) == 0 ? 0 : errno;
+}
+
+// A whole journal beside its place, locked before it can be found. 0, or the errno.
+int Fill(const base::UnfinishedFile& file, std::string_view content) {
+  if (file.error() != 0) return file.error();
+  if (::flock(file.fd(), LOCK_EX | LOCK_NB) != 0) return errno;
+  return Keep(file.fd(), 0, content);
+}
+
 }  // namespace
 
 SculptJournal::SculptJournal(std::string folder, JournalHead head, UndoStep rest, JournalLimits limits)
-    : folder_(std::move(folder)), head_(std::move(head)), rest_(std::move(rest)), limits_(limits) {}
+    : folder_(std::move(folder)), head_(std::move(head)), limits_(limits), rest_(std::move(rest)) {}
 
 std::string SculptJournal::PathOf(int slot) const {
   const std::string number = slot == 1 ? "" : "." + std::to_string(slot);
@@ -79,6 +94,7 @@ std::optional<JournalContent> SculptJournal::Find(std::chrono::steady_clock::tim
 }
 
 void SculptJournal::Resume(const JournalContent& content) {
+  rest_ = {};
   synced_bytes_ = shortened_bytes_ = content.good_bytes;
   number_ = content.records;
   undoable_ = content.edits.done;
@@ -94,8 +110,9 @@ void SculptJournal::PutAside(const std::string& mark, const std::string& why, st
   int error = EEXIST;
   for (int n = 1; error == EEXIST; ++n) {
     aside = stem + "." + mark + (n == 1 ? "" : "-" + std::to_string(n)) + std::string(kJournalEnding);
-    error = MoveToFreeName(path_, aside);
+    error = base::MoveToFreeName(path_, aside);
   }
+  if (error == 0) base::SyncFolderOf(aside);
   notes.push_back({1, Who() + "strokes are not restored: " + why + "; they are kept in " +
                           (error == 0 ? aside : path_) + " (omni scene recover)"});
   fd_.Reset();
@@ -206,11 +223,12 @@ std::string SculptJournal::Write() {
   }
   if (!IsStillAt(fd_.get(), path_)) {  // a person has removed it: what it held is still there to be read
     std::string content(synced_bytes_, '\0');
-    if (!ReadExactly(fd_.get(), content)) return path_ + ": was removed, and cannot be read any more";
+    if (base::ReadAt(fd_.get(), 0, content.data(), content.size()) != 0)
+      return path_ + ": was removed, and cannot be read any more";
     return Create(content += unsynced_);
   }
   if (::ftruncate(fd_.get(), static_cast<off_t>(synced_bytes_)) != 0) return base::WriteProblem(path_, errno);
-  if (const int error = WriteAt(fd_.get(), synced_bytes_, unsynced_); error != 0) {
+  if (const int error = Keep(fd_.get(), synced_bytes_, unsynced_); error != 0) {
     [[maybe_unused]] const int cut = ::ftruncate(fd_.get(), static_cast<off_t>(synced_bytes_));
     return base::WriteProblem(path_, error);
   }
@@ -224,14 +242,16 @@ std::string SculptJournal::Create(std::string_view content) {
   if (std::string problem = ProblemOfOwnFolder(folder_); !problem.empty()) return problem;
   if (std::string problem = MakeRoomFor(folder_, content.size(), limits_.folder_bytes); !problem.empty())
     return problem;
-  UnnamedJournal file(PathOf(1));
-  if (const int error = file.Fill(content); error != 0) return base::WriteProblem(PathOf(1), error);
+  base::UnfinishedFile file(PathOf(1), kJournalMode);
+  if (const int error = Fill(file, content); error != 0) return base::WriteProblem(PathOf(1), error);
   for (int slot = 1; slot <= kMaxSlots; ++slot) {
-    const int error = file.PlaceNew(PathOf(slot));
+    const int error = file.Place(PathOf(slot), false);
     if (error == EEXIST) continue;
     if (error != 0) return base::WriteProblem(PathOf(slot), error);
     path_ = PathOf(slot);
+    base::SyncFolderOf(path_);
     fd_ = file.Take();
+    rest_ = {};
     synced_bytes_ = content.size();
     shortened_bytes_ = std::max(shortened_bytes_, synced_bytes_ - unsynced_.size());
     unsynced_.clear();
@@ -267,11 +287,12 @@ std::string SculptJournal::Shorten() {
   for (std::size_t i = edits.done; i < edits.steps.size(); ++i) put(RecordKind::kUndo, {});
   if (content->open) put(RecordKind::kOpen, StepPayload(*content->open));
   if (content->saved) put(RecordKind::kSaved, {});
-  UnnamedJournal file(path_);
-  int error = file.Fill(shorter);
-  if (error == 0) error = file.PlaceOver(path_);
+  base::UnfinishedFile file(path_, kJournalMode);
+  int error = Fill(file, shorter);
+  if (error == 0) error = file.Place(path_, true);
   shortened_bytes_ = synced_bytes_;  // where it fails: tried again after as many bytes
   if (error != 0) return base::WriteProblem(path_, error);
+  base::SyncFolderOf(path_);
   fd_ = file.Take();
   synced_bytes_ = shortened_bytes_ = shorter.size();
   number_ = number;

@@ -80,12 +80,12 @@ class SculptJournal {
 
   const std::string folder_;
   const JournalHead head_;
-  const haptics::sculpt::UndoStep rest_;
   const JournalLimits limits_;
 
   // Of the thread that calls Find, then of the writer's.
   base::UniqueFd fd_;
   std::string path_;
+  haptics::sculpt::UndoStep rest_;                        // until there is a file that has it
   std::uint64_t synced_bytes_ = 0, shortened_bytes_ = 0;  // of the file; when it was shortened last
   std::uint32_t number_ = 2;                              // of the next record
   bool closed_ = false;

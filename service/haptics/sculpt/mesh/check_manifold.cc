@@ -117,12 +117,13 @@ bool KeepsLimits(const PageContent& content, const PageLimits& limits) {
       return false;
     }
   }
+  std::uint32_t vertices = 0;
   for (std::uint32_t slot = 0; slot < kPageVertices; ++slot) {
-    if (UsesVertex(content, slot) && !IsWithin(content.vertex[slot], kMaxCoordinate_m)) return false;
+    if (!UsesVertex(content, slot)) continue;
+    if (!IsWithin(content.vertex[slot], kMaxCoordinate_m)) return false;
+    ++vertices;
   }
   // Bits beyond the last vertex count too.
-  std::uint32_t vertices = 0;
-  for (std::uint32_t slot = 0; slot < kPageVertices; ++slot) vertices += UsesVertex(content, slot) ? 1 : 0;
   return vertices == content.vertex_count && vertices == CountUsed(content.vertex_used);
 }
 

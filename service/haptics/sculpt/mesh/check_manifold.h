@@ -30,12 +30,16 @@ PageLimits LimitsOf(const Page* const* pages, std::uint32_t page_count);
 // Why these pages, whatever their bytes are, must not be used by the editor or the tick; empty: they may.
 std::string ProblemWithPages(const Page* const* pages, std::uint32_t page_count, const PageLimits& limits);
 
-// The same as CheckManifold of whatever has View() or is a view, and page_count().
+// For whatever has GetPage() and page_count().
 template <class M>
-ManifoldReport CheckManifold(const M& mesh) {
+std::vector<const Page*> TableOf(const M& mesh) {
   std::vector<const Page*> pages;
   for (std::uint32_t page = 0; page < mesh.page_count(); ++page) pages.push_back(&mesh.GetPage(page));
-  return CheckManifold(pages.data(), mesh.page_count());
+  return pages;
+}
+template <class M>
+ManifoldReport CheckManifold(const M& mesh) {
+  return CheckManifold(TableOf(mesh).data(), mesh.page_count());
 }
 
 }  // namespace omni::haptics::sculpt
