@@ -121,8 +121,9 @@ TEST(ProcessSafety, TrialStartsReleasedAndKeepsItsStopToItself) {
       folder.Write("state/omni/emergency_stop.toml", "by = \"omni\"\nat = \"2026-01-31T12:00:00Z\"\n");
   fs::create_directory(folder.Path("run"));
   fs::permissions(folder.Path("run"), fs::perms::owner_all);
+  const std::string omni = OMNI_BINARY_DIR "/bin/omni";
   auto trial = ChildProcess::Start(
-      {OMNI_BINARY_DIR "/bin/omni", "try", "--no-open", "--seconds", "20"},
+      {omni, "try", "--no-open", "--seconds", "20"},
       {"XDG_STATE_HOME=" + folder.Path("state"), "XDG_RUNTIME_DIR=" + folder.Path("run"), "OMNI_SOCKET="},
       folder.Path("out"));
   ASSERT_TRUE(trial.ok());

@@ -246,7 +246,7 @@ struct Wrapped {
   PFN_xrVoidFunction function;
 };
 #define OMNI_WRAPPED(name) \
-  { "xr" #name, reinterpret_cast<PFN_xrVoidFunction>(&name) }
+  { "xr" #name, reinterpret_cast<PFN_xrVoidFunction>(&(name)) }
 const Wrapped kWrapped[] = {
     OMNI_WRAPPED(CreateSession),
     OMNI_WRAPPED(CreateAction),

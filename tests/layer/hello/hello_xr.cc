@@ -202,7 +202,7 @@ void ExpectScene(const Picture& picture) {
 // nothing unless a hand is there.
 TEST_P(HelloXr, DrawsItsSceneAndWithTheLayerAHandWhereThePenIs) {
   constexpr int kColumn = kEyeSide / 2;
-  constexpr int kRow = kEyeSide / 2 + static_cast<int>(kEyeSide / 2 * 0.29 / 0.45);
+  constexpr int kRow = kEyeSide / 2 + static_cast<int>(0.5 * kEyeSide * 0.29 / 0.45);
   constexpr int kAround = 60;  // half of a cube of 0.1 m at that distance
   const HelloRun without(GetParam(), "", [] {});
   ASSERT_TRUE(without.ended_well()) << without.Report();

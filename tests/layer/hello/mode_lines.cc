@@ -20,10 +20,14 @@ struct ModeInfo {
 extern "C" __attribute__((visibility("default"))) int XF86VidModeGetAllModeLines(void*, int, int* count,
                                                                                  ModeInfo*** list) {
   // One block: it is freed as a whole.
-  auto* const block = static_cast<char*>(std::calloc(1, sizeof(ModeInfo*) + sizeof(ModeInfo)));
+  struct ListOfOne {
+    ModeInfo* first;
+    ModeInfo mode;
+  };
+  auto* const block = static_cast<ListOfOne*>(std::calloc(1, sizeof(ListOfOne)));
   if (block == nullptr) return 0;
-  *list = reinterpret_cast<ModeInfo**>(block);
-  ModeInfo& mode = *reinterpret_cast<ModeInfo*>(block + sizeof(ModeInfo*));
+  *list = &block->first;
+  ModeInfo& mode = block->mode;
   mode.dot_clock_kHz = 25175;
   mode.width = 640;
   mode.total_width = 800;

@@ -62,7 +62,7 @@ constexpr double kFocal_px = 2000;
 struct Pixel {
   double x, y;
 };
-Pixel Project(const Point& p) { return {kWidth / 2 - kFocal_px * p.x / p.z, kHeight / 2 + kFocal_px * p.y / p.z}; }
+Pixel Project(const Point& p) { return {0.5 * kWidth - kFocal_px * p.x / p.z, 0.5 * kHeight + kFocal_px * p.y / p.z}; }
 
 // Of each pixel, the node that is seen there; empty: none.
 struct Picture {
@@ -107,7 +107,8 @@ struct Picture {
   std::string Lowest(Pixel& at) const {
     for (std::size_t i = seen.size(); i-- > 0;) {
       if (!seen[i]) continue;
-      at = {static_cast<double>(i % kWidth), static_cast<double>(i / kWidth)};
+      const std::size_t column = i % kWidth, row = i / kWidth;
+      at = {static_cast<double>(column), static_cast<double>(row)};
       return seen[i]->name;
     }
     return {};

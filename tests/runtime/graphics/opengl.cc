@@ -67,6 +67,7 @@ struct GlContext {
 #define OMNI_MEMBER(name) decltype(&::glX##name) glX##name = nullptr;
   OMNI_GLX_FUNCTIONS(OMNI_MEMBER)
 #undef OMNI_MEMBER
+// NOLINTNEXTLINE(bugprone-macro-parentheses): a declaration
 #define OMNI_MEMBER(name) decltype(&::gl##name) name = nullptr;
   OMNI_GL_FUNCTIONS(OMNI_MEMBER)
 #undef OMNI_MEMBER
@@ -83,7 +84,7 @@ struct GlContext {
 #define OMNI_LOAD(name) name = reinterpret_cast<decltype(&::gl##name)>(load("gl" #name));
     OMNI_GL_FUNCTIONS(OMNI_LOAD)
 #undef OMNI_LOAD
-#define OMNI_AND(name) &&name != nullptr
+#define OMNI_AND(name) &&(name) != nullptr
 #define OMNI_GLX_AND(name) &&glX##name != nullptr
     return true OMNI_GLX_FUNCTIONS(OMNI_GLX_AND) OMNI_GL_FUNCTIONS(OMNI_AND);
 #undef OMNI_GLX_AND

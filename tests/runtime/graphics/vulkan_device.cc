@@ -13,7 +13,7 @@ VulkanInstanceFunctions::VulkanInstanceFunctions(PFN_vkGetInstanceProcAddr get, 
 #define OMNI_LOAD(name) name = reinterpret_cast<PFN_vk##name>(get(instance, "vk" #name));
   OMNI_VULKAN_INSTANCE_FUNCTIONS(OMNI_LOAD)
 #undef OMNI_LOAD
-#define OMNI_AND(name) &&name != nullptr
+#define OMNI_AND(name) &&(name) != nullptr
   complete = true OMNI_VULKAN_INSTANCE_FUNCTIONS(OMNI_AND);
 #undef OMNI_AND
 }
@@ -135,7 +135,7 @@ struct VulkanDevice {
 #define OMNI_LOAD(name) name = reinterpret_cast<PFN_vk##name>(instance.GetDeviceProcAddr(handle, "vk" #name));
     OMNI_VULKAN_DEVICE_FUNCTIONS(OMNI_LOAD)
 #undef OMNI_LOAD
-#define OMNI_AND(name) &&name != nullptr
+#define OMNI_AND(name) &&(name) != nullptr
     const bool complete = true OMNI_VULKAN_DEVICE_FUNCTIONS(OMNI_AND);
 #undef OMNI_AND
     if (!complete) return false;
