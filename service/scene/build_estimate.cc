@@ -29,8 +29,8 @@ BuildEstimate EstimateBuild(const SceneCounts& counts) {
   for (const ObjectCounts& object : counts.objects) {
     const std::uint64_t triangles = haptics::MostTriangles(object.triangles);
     const std::uint64_t uv = object.triangles == 0 ? 0 : object.uv_triangles * triangles / object.triangles;
-    scene += sizeof(haptics::Object) + object.vertices * sizeof(haptics::Vertex) +
-             triangles * (sizeof(haptics::Triangle) + sizeof(haptics::TrianglePacket) * 3 / 10 + kBoxes) + UvBytes(uv);
+    scene += sizeof(haptics::Object) + object.vertices * (sizeof(haptics::Vertex) + sizeof(std::uint32_t)) +
+             triangles * (sizeof(haptics::Triangle) + kBoxes) + UvBytes(uv);
     if (object.car_wall) scene += triangles * (sizeof(haptics::WallSegment) + sizeof(haptics::WallNode));
     built += object.vertices * kPeakPerVertex + triangles * kPeakPerTriangle + 3 * UvBytes(uv);
     input += object.vertices * sizeof(base::Vec3) + object.triangles * 14 + UvBytes(object.uv_triangles);

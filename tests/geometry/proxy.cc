@@ -95,13 +95,15 @@ TEST(Layout, BlockIsCacheLineAlignedAndInLeafOrder) {
   const Scene scene = Built(SceneOf(Sphere(42, 0.02)));
   const auto at_line = [](const void* p) { return reinterpret_cast<std::uintptr_t>(p) % 64 == 0; };
   EXPECT_TRUE(at_line(scene.vertices().data()) && at_line(scene.triangles().data()));
-  EXPECT_TRUE(at_line(scene.nodes().data()) && at_line(scene.packets().data()));
-  const double triangles = scene.header().triangle_count;
-  EXPECT_LE(static_cast<double>(scene.nodes().size_bytes() + scene.packets().size_bytes()) / triangles, 56);
+  EXPECT_TRUE(at_line(scene.nodes().data()));
+  EXPECT_LE(static_cast<double>(scene.bytes()) / scene.header().triangle_count, 64);
   std::uint32_t next = 0;
-  for (const TrianglePacket& packet : scene.packets()) {
-    ASSERT_EQ(packet.triangle[0], next);
-    next = *std::max_element(packet.triangle, packet.triangle + kPacketSize) + 1;
+  for (const TreeNode& node : scene.nodes()) {
+    for (const std::uint32_t child : node.child) {
+      if (child == kNoChild || (child & kLeafBit) == 0) continue;
+      ASSERT_EQ(LeafRange::Of(child).first, next);
+      next += LeafRange::Of(child).count;
+    }
   }
   EXPECT_EQ(next, scene.header().triangle_count);
 }

@@ -168,7 +168,8 @@ TEST(Queries, TreeBoxesHoldTrianglesAtEveryExtrudeOffset) {
             stack.emplace_back(node.child[k], depth + 1);
             continue;
           }
-          for (const std::uint32_t t : surface.Packet(node.child[k] & kChildIndex).triangle) {
+          const LeafRange leaf = LeafRange::Of(node.child[k]);
+          for (std::uint32_t t = leaf.first; t < leaf.first + leaf.count; ++t) {
             seen.insert(t);
             for (const Vec3& v : surface.TriangleCorners(t)) ASSERT_TRUE(Holds(node, k, v));
           }

@@ -1,5 +1,5 @@
-// A mesh that is no scene: loose triangles with numbers that have gaps, and a tree over them. Shows that queries need
-// nothing of a mesh beyond the concept.
+// A mesh that is no scene: loose triangles whose numbers do not begin at zero, and a tree over them. Shows that queries
+// need nothing of a mesh beyond the concept.
 #pragma once
 
 #include <vector>
@@ -17,39 +17,49 @@ class Soup {
     std::uint32_t component = 0;
   };
 
-  explicit Soup(const std::vector<Corners>& corners) : corners_(corners) {
+  explicit Soup(const std::vector<Corners>& corners) {
     std::vector<TreePrimitive> primitives;
     for (std::uint32_t i = 0; i < corners.size(); ++i) {
-      const std::uint32_t t = NumberOf(i);
       records_.push_back({{3 * i, 3 * i + 1, 3 * i + 2}});
-      primitives.push_back(MakePrimitive(corners[i], t, false));
+      primitives.push_back(MakePrimitive(corners[i], i, false));
       for (const Vec3& v : corners[i]) extent_m_ = std::max(extent_m_, 1.001 * LargestComponent(v));
     }
-    tree = AppendTree(primitives, nodes, packets);
-    for (TrianglePacket& packet : packets) {
-      for (int lane = 0; lane < kPacketSize; ++lane) {
-        for (int k = 0; k < 3; ++k) {
-          FillPacket(packet, lane, k, TriangleCorners(packet.triangle[lane])[static_cast<std::size_t>(k)]);
-        }
-      }
-    }
+    tree = AppendTree(primitives, NumberOf(0), nodes);
+    for (const TreePrimitive& p : primitives) corners_.push_back(corners[p.triangle]);
   }
 
-  static std::uint32_t NumberOf(std::uint32_t i) { return 3 * i + 7; }
-  static std::uint32_t PlaceOf(std::uint32_t number) { return (number - 7) / 3; }
+  static std::uint32_t NumberOf(std::uint32_t i) { return i + 7; }
+  static std::uint32_t PlaceOf(std::uint32_t number) { return number - 7; }
 
   Vec3 VertexPosition(std::uint32_t index) const noexcept { return corners_[index / 3][index % 3]; }
   Corners TriangleCorners(std::uint32_t t) const noexcept { return corners_[PlaceOf(t)]; }
   const Record& GetTriangle(std::uint32_t t) const noexcept { return records_[PlaceOf(t)]; }
   const TreeNode& Node(std::uint32_t index) const noexcept { return nodes[index]; }
-  const TrianglePacket& Packet(std::uint32_t index) const noexcept { return packets[index]; }
+  LeafCorners RestCorners(const LeafRange& leaf) const noexcept {
+    LeafCorners corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto place = [&](std::uint32_t lane) {
+        return &corners_[PlaceOf(leaf.first) + std::min(lane, leaf.count - 1)][k].x;
+      };
+      corners[k] = GatherPoints({place(0), place(1), place(2), place(3)});
+    }
+    return corners;
+  }
   double TreeExtent() const noexcept { return extent_m_; }
 
   std::size_t size() const { return corners_.size(); }
+  std::vector<LeafRange> Leaves() const {
+    std::vector<LeafRange> leaves;
+    for (const TreeNode& node : nodes) {
+      for (const std::uint32_t child : node.child) {
+        if (child != kNoChild && (child & kLeafBit) != 0) leaves.push_back(LeafRange::Of(child));
+      }
+    }
+    return leaves;
+  }
 
   BuiltTree tree;
   std::vector<TreeNode> nodes;
-  std::vector<TrianglePacket> packets;
 
  private:
   std::vector<Corners> corners_;

@@ -137,13 +137,13 @@ TEST(Tree, FloatBoundsNeverExceedTheDistance) {
     for (int k = 0; k < 200; ++k) {
       const Vec3 p = Somewhere(named, k, random);
       const double slack_m = FloatSlack(soup.TreeExtent(), LargestComponent(p));
-      for (const TrianglePacket& packet : soup.packets) {
-        alignas(16) float bound[kPacketSize];
-        _mm_store_ps(bound, TriangleDistanceSquared(packet, Broadcast(p)));
-        for (int lane = 0; lane < kPacketSize; ++lane) {
+      for (const LeafRange& leaf : soup.Leaves()) {
+        alignas(16) float bound[kLeafSize];
+        _mm_store_ps(bound, BoundTriangles(soup.RestCorners(leaf), Broadcast(p)).DistanceSquared());
+        for (std::uint32_t lane = 0; lane < leaf.count; ++lane) {
           if (!(bound[lane] > 0)) continue;
           const double truth =
-              std::sqrt(ClosestOnTriangle(soup.TriangleCorners(packet.triangle[lane]), p).distance_squared);
+              std::sqrt(ClosestOnTriangle(soup.TriangleCorners(leaf.first + lane), p).distance_squared);
           const double claimed = std::sqrt(double{bound[lane]});
           ASSERT_LE(claimed, truth + slack_m) << named.name;
           widest = std::max(widest, (claimed - truth) / slack_m);
@@ -172,10 +172,9 @@ TEST(Tree, DepthIsBoundedAndBoxesHoldEveryTriangle) {
           stack.emplace_back(node.child[k], depth + 1);
           continue;
         }
-        const TrianglePacket& packet = soup.Packet(node.child[k] & kChildIndex);
-        const std::set<std::uint32_t> own(packet.triangle, packet.triangle + kPacketSize);
-        seen.insert(own.begin(), own.end());
-        for (const std::uint32_t t : own) {
+        const LeafRange leaf = LeafRange::Of(node.child[k]);
+        for (std::uint32_t t = leaf.first; t < leaf.first + leaf.count; ++t) {
+          seen.insert(t);
           for (const Vec3& v : soup.TriangleCorners(t)) {
             const double x[3] = {v.x, v.y, v.z};
             for (int axis = 0; axis < 3; ++axis) {
@@ -217,9 +216,7 @@ TEST(Tree, BuildIsDeterministic) {
   for (std::size_t i = 0; i < first.size(); ++i) {
     const Soup &a = first[i].soup, &b = second[i].soup;
     ASSERT_EQ(a.nodes.size(), b.nodes.size());
-    ASSERT_EQ(a.packets.size(), b.packets.size());
     EXPECT_EQ(std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(TreeNode)), 0) << first[i].name;
-    EXPECT_EQ(std::memcmp(a.packets.data(), b.packets.data(), a.packets.size() * sizeof(TrianglePacket)), 0);
   }
 }
 

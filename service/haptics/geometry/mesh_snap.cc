@@ -31,17 +31,6 @@ struct SplitEdge {
   std::vector<EdgeHit> hits;
 };
 
-// A leaf of the tree of border vertices; one with fewer repeats its first.
-struct alignas(64) PointPacket {
-  float x[kPacketSize], y[kPacketSize], z[kPacketSize];
-  std::uint32_t vertex[kPacketSize];
-};
-
-int MeetMask(const PointPacket& packet, const SegmentLanes& segment) {
-  const Lanes3 points{_mm_load_ps(packet.x), _mm_load_ps(packet.y), _mm_load_ps(packet.z)};
-  return _mm_movemask_ps(MayMeet(segment, points, points));
-}
-
 // The border's vertices, in a tree of their own.
 class BorderVertices {
  public:
@@ -62,20 +51,7 @@ class BorderVertices {
     tolerance_m_ = kSnapRelative * std::max({d.x, d.y, d.z});
     // The slack of float boxes is 2^-19 of this, twice the tolerance at least.
     extent_m_ = 4 * std::max(LargestComponent(lower), LargestComponent(upper));
-    std::vector<TrianglePacket> packets;
-    root_ = AppendTree(points, nodes_, packets, watch).root;
-    packets_.resize(packets.size());
-    for (std::size_t i = 0; i < packets.size(); ++i) {
-      watch.Did();
-      for (int lane = 0; lane < kPacketSize; ++lane) {
-        const std::uint32_t v = packets[i].triangle[lane];
-        const Vec3& p = mesh.vertices[v];
-        packets_[i].x[lane] = static_cast<float>(p.x);
-        packets_[i].y[lane] = static_cast<float>(p.y);
-        packets_[i].z[lane] = static_cast<float>(p.z);
-        packets_[i].vertex[lane] = v;
-      }
-    }
+    root_ = AppendTree(points, 0, nodes_, watch).root;
     order_.reserve(points.size());
     for (const TreePrimitive& point : points) order_.push_back(point.triangle);
   }
@@ -113,11 +89,9 @@ class BorderVertices {
           continue;
         }
         budget_.Spend(1);
-        const PointPacket& packet = packets_[child & kChildIndex];
-        for (unsigned near = static_cast<unsigned>(MeetMask(packet, segment)); near != 0; near &= near - 1) {
-          const int lane = std::countr_zero(near);
-          const std::uint32_t v = packet.vertex[lane];
-          if (lane == 0 || v != packet.vertex[0]) Test(a, b, v, hits);
+        const LeafRange leaf = LeafRange::Of(child);
+        for (unsigned near = leaf.LaneMask() & MayLieOn(leaf, segment); near != 0; near &= near - 1) {
+          Test(a, b, order_[leaf.first + static_cast<unsigned>(std::countr_zero(near))], hits);
         }
       }
     }
@@ -132,6 +106,15 @@ class BorderVertices {
   }
 
  private:
+  // One bit for each of the leaf's vertices.
+  unsigned MayLieOn(const LeafRange& leaf, const SegmentLanes& segment) const {
+    const auto place = [&](std::uint32_t lane) {
+      return &mesh_.vertices[order_[leaf.first + std::min(lane, leaf.count - 1)]].x;
+    };
+    const Lanes3 points = GatherPoints({place(0), place(1), place(2), place(3)});
+    return static_cast<unsigned>(_mm_movemask_ps(MayMeet(segment, points, points)));
+  }
+
   void Test(std::uint32_t a, std::uint32_t b, std::uint32_t v, std::vector<EdgeHit>& hits) const {
     if (v == a || v == b || !on_border_[v]) return;
     const Vec3 along = mesh_.vertices[b] - mesh_.vertices[a], r = mesh_.vertices[v] - mesh_.vertices[a];
@@ -146,7 +129,6 @@ class BorderVertices {
   SnapBudget& budget_;
   const base::WorkWatch& watch_;
   std::vector<TreeNode> nodes_;
-  std::vector<PointPacket> packets_;
   std::vector<std::uint32_t> order_;
   std::vector<bool> on_border_;
   std::uint32_t root_ = 0;

@@ -6,7 +6,7 @@
 #include <concepts>
 #include <cstdint>
 
-#include "service/haptics/geometry/tree.h"
+#include "service/haptics/geometry/tree_lanes.h"
 #include "service/haptics/geometry/triangle_math.h"
 
 namespace omni::haptics {
@@ -23,20 +23,20 @@ concept MeshView = requires(const View& view, std::uint32_t index) {
   { view.GetTriangle(index).component } -> std::convertible_to<std::uint32_t>;
 };
 
-// A mesh with a tree over it, whose leaves are packets of float corners or, where those would not pay, lists of at most
-// kPacketSize triangles.
+// A mesh with a tree over it, whose leaves are ranges of triangles or, where those are not numbered by leaves, lists of
+// at most kLeafSize triangles.
 template <class View>
-concept PacketView = requires(const View& view, std::uint32_t index) {
-  { view.Packet(index) }
-  noexcept->std::same_as<const TrianglePacket&>;
+concept LeafRangeView = requires(const View& view, const LeafRange& leaf) {
+  { view.RestCorners(leaf) }
+  noexcept->std::same_as<LeafCorners>;
 };
 template <class View>
-concept LeafListView = requires(const View& view, std::array<std::uint32_t, kPacketSize>& triangles) {
+concept LeafListView = requires(const View& view, std::array<std::uint32_t, kLeafSize>& triangles) {
   { view.LeafTriangles(std::uint32_t{}, triangles) }
   noexcept->std::same_as<int>;  // how many
 };
 template <class View>
-concept TreeView = MeshView<View> &&(PacketView<View> || LeafListView<View>)&&requires(const View& view) {
+concept TreeView = MeshView<View> &&(LeafRangeView<View> || LeafListView<View>)&&requires(const View& view) {
   { view.Node(std::uint32_t{}) }
   noexcept->std::same_as<const TreeNode&>;
   { view.TreeExtent() }

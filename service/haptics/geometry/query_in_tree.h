@@ -44,25 +44,25 @@ class NearestStack {
   std::size_t size_ = 0;
 };
 
-// Tries the packet's triangles within `bound` (which trying lowers), the nearest first: it mostly excludes the others.
-template <class TryTriangle>
-void NearestInPacket(const TrianglePacket& packet, bool moves, const Lanes3& p, const float& bound,
-                     const TryTriangle& try_triangle) noexcept {
-  alignas(16) float distance[kPacketSize] = {0, 0, 0, 0};
-  unsigned mask = 0xF;
-  if (!moves) {
-    const __m128 d = TriangleDistanceSquared(packet, p);
+// Tries the leaf's triangles within `bound` (which trying lowers), the nearest first: it mostly excludes the others.
+template <LeafRangeView View, class TryTriangle>
+void NearestInLeaf(const View& view, const LeafRange& leaf, const Lanes3& p, const float& bound,
+                   const TryTriangle& try_triangle) noexcept {
+  alignas(16) float distance[kLeafSize] = {0, 0, 0, 0};
+  unsigned mask = leaf.LaneMask();
+  if (!leaf.moves) {
+    const __m128 d = BoundTriangles(view.RestCorners(leaf), p).DistanceSquared();
     _mm_store_ps(distance, d);
-    mask ^= static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(d, _mm_set1_ps(bound))));
+    mask &= static_cast<unsigned>(_mm_movemask_ps(_mm_cmpngt_ps(d, _mm_set1_ps(bound))));
   }
   while (mask != 0) {
-    auto k = static_cast<std::size_t>(std::countr_zero(mask));
+    auto k = static_cast<std::uint32_t>(std::countr_zero(mask));
     for (unsigned rest = mask & (mask - 1); rest != 0; rest &= rest - 1) {
-      const auto other = static_cast<std::size_t>(std::countr_zero(rest));
+      const auto other = static_cast<std::uint32_t>(std::countr_zero(rest));
       if (distance[other] < distance[k]) k = other;
     }
     mask &= ~(1U << k);
-    if (!(distance[k] > bound)) try_triangle(packet.triangle[k]);
+    if (!(distance[k] > bound)) try_triangle(leaf.first + k);
   }
 }
 
@@ -95,10 +95,10 @@ NearestResult NearestAccepted(const View& view, std::uint32_t root, const Vec3& 
       stack.PushChildren(view.Node(child), lanes, bound);
       continue;
     }
-    if constexpr (PacketView<View>) {
-      NearestInPacket(view.Packet(child & kChildIndex), (child & kMovesBit) != 0, lanes, bound, try_other);
+    if constexpr (LeafRangeView<View>) {
+      NearestInLeaf(view, LeafRange::Of(child), lanes, bound, try_other);
     } else {
-      std::array<std::uint32_t, kPacketSize> triangles;
+      std::array<std::uint32_t, kLeafSize> triangles;
       const int count = view.LeafTriangles(child & kChildIndex, triangles);
       for (int k = 0; k < count; ++k) try_other(triangles[static_cast<std::size_t>(k)]);
     }
@@ -156,12 +156,13 @@ CrossingResult CrossingInTree(const View& view, std::uint32_t root, const Vec3& 
       }
       continue;
     }
-    if constexpr (PacketView<View>) {
-      const TrianglePacket& packet = view.Packet(child & kChildIndex);
-      unsigned mask = (child & kMovesBit) != 0 ? 0xF : static_cast<unsigned>(MeetMask(packet, segment));
-      for (; mask != 0; mask &= mask - 1) try_triangle(packet.triangle[std::countr_zero(mask)]);
+    if constexpr (LeafRangeView<View>) {
+      const LeafRange leaf = LeafRange::Of(child);
+      unsigned mask = leaf.LaneMask();
+      if (!leaf.moves) mask &= static_cast<unsigned>(MeetMask(view.RestCorners(leaf), segment));
+      for (; mask != 0; mask &= mask - 1) try_triangle(leaf.first + static_cast<std::uint32_t>(std::countr_zero(mask)));
     } else {
-      std::array<std::uint32_t, kPacketSize> triangles;
+      std::array<std::uint32_t, kLeafSize> triangles;
       const int count = view.LeafTriangles(child & kChildIndex, triangles);
       for (int k = 0; k < count; ++k) try_triangle(triangles[static_cast<std::size_t>(k)]);
     }

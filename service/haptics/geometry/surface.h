@@ -15,9 +15,9 @@ class Surface {
   // Precondition: !scene.empty(); scene outlives the view.
   Surface(const Scene& scene, const std::array<RegionState, kMaxRegions>& states) noexcept
       : vertices_(scene.vertices().data()),
+        region_of_(scene.region_of().empty() ? nullptr : scene.region_of().data()),
         triangles_(scene.triangles().data()),
         nodes_(scene.nodes().data()),
-        packets_(scene.packets().data()),
         tree_extent_m_(scene.header().tree_extent_m),
         region_count_(std::min(scene.header().region_count, kMaxRegions)) {
     const auto regions = scene.regions();
@@ -29,7 +29,7 @@ class Surface {
   Vec3 VertexPosition(std::uint32_t index) const noexcept {
     const Vertex& v = vertices_[index];
     const Vec3 rest{v.x, v.y, v.z};
-    return v.region == kNoIndex ? rest : rest + displacement_[v.region];
+    return region_of_ == nullptr || region_of_[index] == kNoIndex ? rest : rest + displacement_[region_of_[index]];
   }
   Corners TriangleCorners(std::uint32_t index) const noexcept {
     const Triangle& t = triangles_[index];
@@ -37,22 +37,33 @@ class Surface {
   }
   const Triangle& GetTriangle(std::uint32_t index) const noexcept { return triangles_[index]; }
   const TreeNode& Node(std::uint32_t index) const noexcept { return nodes_[index]; }
-  const TrianglePacket& Packet(std::uint32_t index) const noexcept { return packets_[index]; }
+  LeafCorners RestCorners(const LeafRange& leaf) const noexcept {
+    const Triangle* const triangle = triangles_ + leaf.first;
+    LeafCorners corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto place = [&](std::uint32_t lane) noexcept {
+        return &vertices_[triangle[std::min(lane, leaf.count - 1)].vertex[k]].x;
+      };
+      corners[k] = GatherPoints({place(0), place(1), place(2), place(3)});
+    }
+    return corners;
+  }
   double TreeExtent() const noexcept { return tree_extent_m_; }
   std::uint32_t region_count() const noexcept { return region_count_; }
 
   // Region that all three corners move with, else kNoIndex.
   std::uint32_t RegionOf(std::uint32_t triangle) const noexcept {
+    if (region_of_ == nullptr) return kNoIndex;
     const Triangle& t = triangles_[triangle];
-    const std::uint32_t region = vertices_[t.vertex[0]].region;
-    return vertices_[t.vertex[1]].region == region && vertices_[t.vertex[2]].region == region ? region : kNoIndex;
+    const std::uint32_t region = region_of_[t.vertex[0]];
+    return region_of_[t.vertex[1]] == region && region_of_[t.vertex[2]] == region ? region : kNoIndex;
   }
 
  private:
   const Vertex* vertices_;
+  const std::uint32_t* region_of_;  // null: there are no regions
   const Triangle* triangles_;
   const TreeNode* nodes_;
-  const TrianglePacket* packets_;
   double tree_extent_m_;
   std::uint32_t region_count_;
   std::array<Vec3, kMaxRegions> displacement_{};

@@ -1,4 +1,4 @@
-// The tree over the triangles of one object: eight float boxes per node, four float triangles per leaf. All of it only
+// The tree over the triangles of one object: eight float boxes per node, four triangles per leaf. All of it only
 // excludes; what is left is decided in double on the mesh itself. docs/theory/haptics.md, section 1.
 #pragma once
 
@@ -14,15 +14,30 @@ namespace omni::haptics {
 using base::Vec3;
 
 inline constexpr int kTreeWidth = 8;
-inline constexpr int kPacketSize = 4;
+inline constexpr int kLeafSize = 4;
 inline constexpr int kMaxTreeDepth =
     24;  // nodes from root to leaf, guaranteed by tree_build.cc: stacks in the tick are fixed
 
-// What a child is: an inner node, or a leaf (a packet). Unused children have boxes that nothing intersects.
-inline constexpr std::uint32_t kLeafBit = 0x80000000;   // the rest is the index of a packet, else of a node
+// What a child is: the index of an inner node, or a leaf. Unused children have boxes that nothing intersects.
+inline constexpr std::uint32_t kLeafBit = 0x80000000;   // the rest is a LeafRange, or what a view makes of it
 inline constexpr std::uint32_t kMovesBit = 0x40000000;  // leaf: its triangles can leave their rest place, not its box
 inline constexpr std::uint32_t kChildIndex = 0x3FFFFFFF;
 inline constexpr std::uint32_t kNoChild = 0xFFFFFFFF;
+
+// A leaf of consecutive triangles, which are numbered in the order of the leaves.
+struct LeafRange {
+  std::uint32_t first = 0;  // below 2^28
+  std::uint32_t count = 1;  // 1 to kLeafSize
+  bool moves = false;
+
+  static constexpr LeafRange Of(std::uint32_t child) noexcept {
+    return {(child & kChildIndex) / kLeafSize, child % kLeafSize + 1, (child & kMovesBit) != 0};
+  }
+  constexpr std::uint32_t Child() const noexcept {
+    return kLeafBit | (moves ? kMovesBit : 0) | (first * kLeafSize + count - 1);
+  }
+  constexpr unsigned LaneMask() const noexcept { return (1U << count) - 1; }  // one bit per triangle
+};
 
 // Base frame, m; rounded outwards and large enough for every place a triangle can take.
 struct alignas(32) TreeNode {
@@ -31,13 +46,7 @@ struct alignas(32) TreeNode {
   std::uint32_t child[kTreeWidth];
 };
 
-// Rest corners [axis][triangle], rounded to nearest. A packet with fewer triangles repeats its first.
-struct alignas(16) TrianglePacket {
-  float corner[3][3][kPacketSize];  // [corner][axis][triangle]
-  std::uint32_t triangle[kPacketSize];
-};
-
-static_assert(sizeof(TreeNode) == 224 && sizeof(TrianglePacket) == 160);
+static_assert(sizeof(TreeNode) == 224);
 
 // Its building (tree_build.cc): binned surface-area heuristic in float, depth at most kMaxTreeDepth, one thread, memory
 // linear. Deterministic. Set-up only.
@@ -57,17 +66,9 @@ struct BuiltTree {
   float lower[3]{}, upper[3]{};
 };
 
-// Appends the tree to `nodes` and `packets` and returns its root. Packets name triangles but hold no corners yet
-// (FillPacket). On return `primitives` are in the order of the packets. Precondition: 1 to 4 million primitives,
-// finite.
-BuiltTree AppendTree(std::span<TreePrimitive> primitives, std::vector<TreeNode>& nodes,
-                     std::vector<TrianglePacket>& packets, const base::WorkWatch& watch = {});
-
-// Corner k of the triangle in `lane`, rounded to float.
-inline void FillPacket(TrianglePacket& packet, int lane, int k, const Vec3& corner) {
-  packet.corner[k][0][lane] = static_cast<float>(corner.x);
-  packet.corner[k][1][lane] = static_cast<float>(corner.y);
-  packet.corner[k][2][lane] = static_cast<float>(corner.z);
-}
+// Appends the tree to `nodes` and returns its root. On return `primitives` are in the order of the leaves, which count
+// them from `first` on. Precondition: 1 to 4 million primitives, finite.
+BuiltTree AppendTree(std::span<TreePrimitive> primitives, std::uint32_t first, std::vector<TreeNode>& nodes,
+                     const base::WorkWatch& watch = {});
 
 }  // namespace omni::haptics

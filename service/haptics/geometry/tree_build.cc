@@ -11,7 +11,7 @@ namespace omni::haptics {
 namespace {
 
 constexpr std::uint32_t kBins = 16;
-constexpr std::uint32_t kFullNode = kTreeWidth * kPacketSize;
+constexpr std::uint32_t kFullNode = kTreeWidth * kLeafSize;
 constexpr std::uint32_t kSmall = kTreeWidth * kFullNode;  // parts this small are divided to fill nodes and leaves
 constexpr int kSahLevels = 13;  // deeper nodes split by median: 13 + log8(4e6) < kMaxTreeDepth
 
@@ -84,10 +84,10 @@ struct TreeBins {
     }
   }
 
-  // cost = A_left n_left + A_right n_right, n in packets, least over 3 axes x 15 planes   [Wald 2007]   (1.5)
+  // cost = A_left n_left + A_right n_right, n in leaves, least over 3 axes x 15 planes   [Wald 2007]   (1.5)
   TreeSplit Best() const {
-    const auto packets = [](std::uint32_t n) {
-      const std::uint32_t whole = (n + kPacketSize - 1) / kPacketSize;
+    const auto leaves = [](std::uint32_t n) {
+      const std::uint32_t whole = (n + kLeafSize - 1) / kLeafSize;
       return static_cast<float>(whole);
     };
     TreeSplit best;
@@ -98,7 +98,7 @@ struct TreeBins {
       for (std::uint32_t k = kBins - 1; k > 0; --k) {
         right.Add(box[axis][k]);
         n += count[axis][k];
-        right_cost[k - 1] = n > 0 ? HalfArea(right) * packets(n) : FLT_MAX;
+        right_cost[k - 1] = n > 0 ? HalfArea(right) * leaves(n) : FLT_MAX;
       }
       FloatBox left;
       n = 0;
@@ -106,7 +106,7 @@ struct TreeBins {
         left.Add(box[axis][k]);
         n += count[axis][k];
         if (n == 0 || right_cost[k] == FLT_MAX) continue;
-        const float cost = HalfArea(left) * packets(n) + right_cost[k];
+        const float cost = HalfArea(left) * leaves(n) + right_cost[k];
         if (cost < best.cost) best = {axis, static_cast<int>(k), n, cost};
       }
     }
@@ -122,9 +122,9 @@ int LongestAxis(const FloatBox& box) {
 
 class TreeBuilder {
  public:
-  TreeBuilder(std::span<TreePrimitive> primitives, std::vector<TreeNode>& nodes, std::vector<TrianglePacket>& packets,
+  TreeBuilder(std::span<TreePrimitive> primitives, std::uint32_t first, std::vector<TreeNode>& nodes,
               const base::WorkWatch& watch)
-      : primitives_(primitives), nodes_(nodes), packets_(packets), watch_(watch) {}
+      : primitives_(primitives), first_(first), nodes_(nodes), watch_(watch) {}
 
   BuiltTree Build() {
     const TreePart all = Measured(0, static_cast<std::uint32_t>(primitives_.size()));
@@ -150,7 +150,7 @@ class TreeBuilder {
       PutBox(node, k, k < count ? parts[k].box : FloatBox{});
       node.child[k] = kNoChild;
       if (k >= count) continue;
-      node.child[k] = parts[k].Size() <= kPacketSize ? AppendLeaf(parts[k]) : Append(parts[k], level + 1);
+      node.child[k] = parts[k].Size() <= kLeafSize ? Leaf(parts[k]) : Append(parts[k], level + 1);
     }
     nodes_[index] = node;
     return index;
@@ -159,7 +159,7 @@ class TreeBuilder {
   // Splits the part with the largest box until there are eight. What fits into one leaf, or, under a larger node, into
   // one node full of leaves, stays whole: half-empty nodes cost memory and a visit each.
   std::size_t Divide(const TreePart& range, int level, std::array<TreePart, kTreeWidth>& parts) {
-    const std::uint32_t whole = range.Size() <= kFullNode ? kPacketSize : kFullNode;
+    const std::uint32_t whole = range.Size() <= kFullNode ? kLeafSize : kFullNode;
     parts[0] = range;
     std::size_t count = 1;
     while (count < kTreeWidth) {
@@ -188,7 +188,7 @@ class TreeBuilder {
   std::pair<TreePart, TreePart> SplitInTwo(const TreePart& range, int level) {
     watch_.Did(1 + range.Size() / 64);  // some nanoseconds each
     if (level > kSahLevels) return AtCount(range, LongestAxis(range.centres), range.Size() / 2);
-    if (range.Size() <= 2 * kPacketSize) return AtCount(range, LongestAxis(range.centres), kPacketSize);
+    if (range.Size() <= 2 * kLeafSize) return AtCount(range, LongestAxis(range.centres), kLeafSize);
     const Binning binning(range.centres);
     TreeBins bins;
     bins.Add(primitives_.subspan(range.begin, range.Size()), binning);
@@ -219,16 +219,16 @@ class TreeBuilder {
     return parts;
   }
 
-  // The `left` primitives with the smallest centres on one side; about so many, so that packets are full where
+  // The `left` primitives with the smallest centres on one side; about so many, so that leaves are full where
   // primitives are few, and no more nodes of leaves are needed than before.
   std::pair<TreePart, TreePart> AtCount(const TreePart& range, int axis, std::uint32_t left) {
     const std::uint32_t n = range.Size();
-    left = WholePackets(left, kPacketSize, n - 1);
+    left = WholeLeaves(left, kLeafSize, n - 1);
     if (n > kFullNode && n <= kSmall) {
       const std::uint32_t nodes = (n + kFullNode - 1) / kFullNode;
       const std::uint32_t on_left = std::clamp((left + kFullNode / 2) / kFullNode, 1U, nodes - 1);
       const std::uint32_t most_right = (nodes - on_left) * kFullNode;
-      left = WholePackets(left, n > most_right ? n - most_right : 1, on_left * kFullNode);
+      left = WholeLeaves(left, n > most_right ? n - most_right : 1, on_left * kFullNode);
     }
     TreePrimitive* const first = primitives_.data() + range.begin;
     std::nth_element(first, first + left, first + n, [axis](const TreePrimitive& a, const TreePrimitive& b) {
@@ -238,10 +238,10 @@ class TreeBuilder {
     return {Measured(range.begin, range.begin + left), Measured(range.begin + left, range.end)};
   }
 
-  // The multiple of kPacketSize next to `wanted` within [least, most]; precondition: there is one.
-  static std::uint32_t WholePackets(std::uint32_t wanted, std::uint32_t least, std::uint32_t most) {
-    const auto packets = [](std::uint32_t n) { return n / kPacketSize; };
-    return kPacketSize * std::clamp(packets(wanted + kPacketSize / 2), packets(least + kPacketSize - 1), packets(most));
+  // The multiple of kLeafSize next to `wanted` within [least, most]; precondition: there is one.
+  static std::uint32_t WholeLeaves(std::uint32_t wanted, std::uint32_t least, std::uint32_t most) {
+    const auto leaves = [](std::uint32_t n) { return n / kLeafSize; };
+    return kLeafSize * std::clamp(leaves(wanted + kLeafSize / 2), leaves(least + kLeafSize - 1), leaves(most));
   }
 
   static void Grow(TreePart& range, const TreePrimitive& p) {
@@ -268,20 +268,15 @@ class TreeBuilder {
     }
   }
 
-  std::uint32_t AppendLeaf(const TreePart& range) {
-    std::uint32_t child = kLeafBit | static_cast<std::uint32_t>(packets_.size());
-    TrianglePacket& packet = packets_.emplace_back();
-    for (std::uint32_t lane = 0; lane < kPacketSize; ++lane) {
-      const TreePrimitive& p = primitives_[range.begin + (lane < range.Size() ? lane : 0)];
-      packet.triangle[lane] = p.triangle;
-      if (p.moves != 0) child |= kMovesBit;
-    }
-    return child;
+  std::uint32_t Leaf(const TreePart& range) const {
+    const auto leaf = primitives_.subspan(range.begin, range.Size());
+    const bool moves = std::any_of(leaf.begin(), leaf.end(), [](const TreePrimitive& p) { return p.moves != 0; });
+    return LeafRange{first_ + range.begin, range.Size(), moves}.Child();
   }
 
   std::span<TreePrimitive> primitives_;
+  const std::uint32_t first_;
   std::vector<TreeNode>& nodes_;
-  std::vector<TrianglePacket>& packets_;
   const base::WorkWatch& watch_;
 };
 
@@ -303,11 +298,10 @@ TreePrimitive MakePrimitive(std::span<const Vec3> points, std::uint32_t triangle
   return p;
 }
 
-BuiltTree AppendTree(std::span<TreePrimitive> primitives, std::vector<TreeNode>& nodes,
-                     std::vector<TrianglePacket>& packets, const base::WorkWatch& watch) {
+BuiltTree AppendTree(std::span<TreePrimitive> primitives, std::uint32_t first, std::vector<TreeNode>& nodes,
+                     const base::WorkWatch& watch) {
   nodes.reserve(nodes.size() + primitives.size() / 18 + 1);
-  packets.reserve(packets.size() + primitives.size() / 3 + 1);
-  return TreeBuilder(primitives, nodes, packets, watch).Build();
+  return TreeBuilder(primitives, first, nodes, watch).Build();
 }
 
 }  // namespace omni::haptics

@@ -4,6 +4,7 @@
 
 #include <emmintrin.h>
 
+#include <array>
 #include <cfloat>
 #include <cmath>
 
@@ -112,13 +113,23 @@ inline int MeetMask(const TreeNode& node, const SegmentLanes& s) noexcept {
   return _mm_movemask_ps(low) | _mm_movemask_ps(high) << 4;
 }
 
-inline Lanes3 LoadCorner(const TrianglePacket& packet, int k) noexcept {
-  return {_mm_load_ps(packet.corner[k][0]), _mm_load_ps(packet.corner[k][1]), _mm_load_ps(packet.corner[k][2])};
+// Four points (x, y, z), rounded to nearest, one per lane.
+inline Lanes3 GatherPoints(const std::array<const double*, kLeafSize>& of) noexcept {
+  const auto xy = [&](std::size_t k) noexcept { return _mm_cvtpd_ps(_mm_loadu_pd(of[k])); };
+  const auto z = [&](std::size_t k) noexcept {
+    return _mm_cvtpd_ps(_mm_loadh_pd(_mm_load_sd(of[k] + 2), of[k + 1] + 2));
+  };
+  const __m128 low = _mm_movelh_ps(xy(0), xy(1)), high = _mm_movelh_ps(xy(2), xy(3));
+  return {_mm_shuffle_ps(low, high, _MM_SHUFFLE(2, 0, 2, 0)), _mm_shuffle_ps(low, high, _MM_SHUFFLE(3, 1, 3, 1)),
+          _mm_movelh_ps(z(0), z(2))};
 }
 
-// Triangles of the packet whose box the segment may intersect, one bit each.
-inline int MeetMask(const TrianglePacket& packet, const SegmentLanes& s) noexcept {
-  const Lanes3 a = LoadCorner(packet, 0), b = LoadCorner(packet, 1), c = LoadCorner(packet, 2);
+// The rest corners of a leaf's triangles, [corner], one triangle per lane; unused lanes repeat the last.
+using LeafCorners = std::array<Lanes3, 3>;
+
+// Triangles whose box the segment may intersect, one bit per lane.
+inline int MeetMask(const LeafCorners& corners, const SegmentLanes& s) noexcept {
+  const auto& [a, b, c] = corners;
   const auto least = [](__m128 x, __m128 y, __m128 z) noexcept { return _mm_min_ps(_mm_min_ps(x, y), z); };
   const auto most = [](__m128 x, __m128 y, __m128 z) noexcept { return _mm_max_ps(_mm_max_ps(x, y), z); };
   return _mm_movemask_ps(MayMeet(s, {least(a.x, b.x, c.x), least(a.y, b.y, c.y), least(a.z, b.z, c.z)},
@@ -141,9 +152,9 @@ struct TriangleBounds {
   }
 };
 
-inline TriangleBounds BoundTriangles(const TrianglePacket& packet, const Lanes3& p) noexcept {
+inline TriangleBounds BoundTriangles(const LeafCorners& corners, const Lanes3& p) noexcept {
   const __m128 zero = _mm_setzero_ps(), one = _mm_set1_ps(1);
-  const Lanes3 a = LoadCorner(packet, 0) - p, b = LoadCorner(packet, 1) - p, c = LoadCorner(packet, 2) - p;
+  const Lanes3 a = corners[0] - p, b = corners[1] - p, c = corners[2] - p;
   const Lanes3 ab = b - a, ac = c - a;
   const __m128 d1 = _mm_sub_ps(zero, Dot(ab, a)), d2 = _mm_sub_ps(zero, Dot(ac, a));
   const __m128 d3 = _mm_sub_ps(zero, Dot(ab, b)), d4 = _mm_sub_ps(zero, Dot(ac, b));
@@ -187,10 +198,6 @@ inline TriangleBounds BoundTriangles(const TrianglePacket& packet, const Lanes3&
   };
   const Lanes3 q{mix(a.x, ab.x, ac.x), mix(a.y, ab.y, ac.y), mix(a.z, ab.z, ac.z)};
   return {q, _mm_min_ps(_mm_min_ps(Dot(q, a), Dot(q, b)), Dot(q, c)), Dot(q, q)};
-}
-
-inline __m128 TriangleDistanceSquared(const TrianglePacket& packet, const Lanes3& p) noexcept {
-  return BoundTriangles(packet, p).DistanceSquared();
 }
 
 }  // namespace omni::haptics

@@ -92,11 +92,12 @@ double DisplacedVertices(const Scene& scene, const DeformingState& state, RestOb
   const std::size_t regions = std::min(scene.regions().size(), state.regions.size());
   for (std::size_t r = 0; r < regions; ++r) offset_m[r] = state.regions[r].offset_m * scene.regions()[r].normal;
   const bool soft = SoftDisplacements(scene, state.soft, rest);
-  const auto vertices = scene.vertices().subspan(rest.range.first, rest.range.count);
+  const auto region_of = scene.region_of();
   double largest_squared_m2 = 0;
-  out.resize(vertices.size());
-  for (std::size_t v = 0; v < vertices.size(); ++v) {
-    Vec3 moved = vertices[v].region < regions ? offset_m[vertices[v].region] : Vec3{};
+  out.resize(rest.range.count);
+  for (std::size_t v = 0; v < out.size(); ++v) {
+    const std::uint32_t region = region_of.empty() ? kNoIndex : region_of[rest.range.first + v];
+    Vec3 moved = region < regions ? offset_m[region] : Vec3{};
     if (soft) {
       const Float3& d = rest.displacement_m[v];
       moved = moved + Vec3{double{d.x}, double{d.y}, double{d.z}};

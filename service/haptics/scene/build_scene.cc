@@ -3,6 +3,7 @@
 #include <chrono>
 #include <string_view>
 
+#include "service/base/free_memory.h"
 #include "service/haptics/extrude/extrude.h"
 #include "service/haptics/geometry/mesh_repair.h"
 #include "service/haptics/geometry/tree.h"
@@ -105,23 +106,20 @@ class Assembler {
 
   // Precondition: as many calls to AddObject follow as there are objects in `picked`'s scene.
   void AddRegions(const std::vector<PickedFace>& picked, const std::vector<BuiltObject>& built) {
-    std::size_t vertices = 0, triangles = 0;
     for (const BuiltObject& object : built) {
-      vertices += object.mesh.vertices.size();
-      triangles += object.mesh.triangles.size();
+      vertex_count_ += object.mesh.vertices.size();
+      triangle_count_ += object.mesh.triangles.size();
     }
-    parts_.vertices.reserve(vertices);
-    parts_.triangles.reserve(triangles);
-    parts_.nodes.reserve(triangles / 18 + built.size());
-    parts_.packets.reserve(triangles * 2 / 7 + built.size());
+    parts_.nodes.reserve(triangle_count_ / 18 + built.size());
     vertex_region_.resize(built.size());
-    for (std::size_t i = 0; i < built.size(); ++i) vertex_region_[i].assign(built[i].mesh.vertices.size(), kNoIndex);
     for (const PickedFace& p : picked) {
       const auto region = static_cast<std::uint32_t>(parts_.regions.size());
       parts_.regions.push_back({p.face->normal, p.face->centroid_base_m, p.face->radius_m, p.face->material,
                                 static_cast<std::uint32_t>(p.object)});
+      const Mesh& mesh = built[p.object].mesh;
+      vertex_region_[p.object].resize(mesh.vertices.size(), kNoIndex);
       for (const std::uint32_t t : p.face->triangles) {
-        for (const std::uint32_t v : built[p.object].mesh.triangles[t]) {
+        for (const std::uint32_t v : mesh.triangles[t]) {
           if (vertex_region_[p.object][v] == kNoIndex) vertex_region_[p.object][v] = region;
         }
       }
@@ -140,12 +138,13 @@ class Assembler {
       const Order order = AddTree(index, built);
       PhaseClock clock;
       AddVertices(index, mesh, order);
+      base::FreeMemory(built.mesh.vertices);
       AddTriangles(index, mesh, order);
       AddUv(mesh, order, built.object);
       clock.AddTo(report_.layout_ms);
     }
     built.mesh = {};
-    vertex_region_[index] = {};
+    base::FreeMemory(vertex_region_[index]);
     parts_.objects.push_back(built.object);
   }
 
@@ -164,8 +163,7 @@ class Assembler {
       watch_.Did();
       primitives[t] = Reach(index, mesh, t);
     }
-    const auto first_packet = static_cast<std::uint32_t>(parts_.packets.size());
-    const BuiltTree tree = AppendTree(primitives, parts_.nodes, parts_.packets, watch_);
+    const BuiltTree tree = AppendTree(primitives, built.object.first_triangle, parts_.nodes, watch_);
     built.object.root = tree.root;
     std::copy_n(tree.lower, 3, built.object.lower_base_m);
     std::copy_n(tree.upper, 3, built.object.upper_base_m);
@@ -188,32 +186,22 @@ class Assembler {
       }
     }
     clock.AddTo(report_.layout_ms);
-    for (std::size_t i = first_packet; i < parts_.packets.size(); ++i) {
-      watch_.Did(kPacketSize);
-      Fill(mesh, order, parts_.packets[i]);
-    }
-    clock.AddTo(report_.tree_ms);
     return order;
   }
 
-  static void Fill(const Mesh& mesh, const Order& order, TrianglePacket& packet) {
-    for (int lane = 0; lane < kPacketSize; ++lane) {
-      const std::uint32_t t = packet.triangle[lane];
-      for (int k = 0; k < 3; ++k)
-        FillPacket(packet, lane, k, mesh.vertices[mesh.triangles[t][static_cast<std::size_t>(k)]]);
-      packet.triangle[lane] = order.triangle_place[t];
-    }
-  }
-
   void AddVertices(std::size_t index, const Mesh& mesh, const Order& order) {
+    parts_.vertices.reserve(vertex_count_);
+    if (!parts_.regions.empty()) parts_.region_of.reserve(vertex_count_);
     for (const std::uint32_t v : order.vertices) {
       watch_.Did();
       const Vec3& p = mesh.vertices[v];
-      parts_.vertices.push_back({p.x, p.y, p.z, vertex_region_[index][v], kNoIndex});
+      parts_.vertices.push_back({p.x, p.y, p.z});
+      if (!parts_.regions.empty()) parts_.region_of.push_back(RegionOf(index, v));
     }
   }
 
   void AddTriangles(std::size_t index, const Mesh& mesh, const Order& order) {
+    parts_.triangles.reserve(triangle_count_);
     for (const std::uint32_t t : order.triangles) {
       watch_.Did();
       Triangle triangle{};
@@ -222,8 +210,6 @@ class Assembler {
         const std::uint32_t across = mesh.neighbours[t][k];
         triangle.vertex[k] = v;
         triangle.neighbour[k] = across == kNoIndex ? kNoIndex : order.triangle_place[across];
-        std::uint32_t& first = parts_.vertices[v].first_triangle;
-        if (first == kNoIndex) first = static_cast<std::uint32_t>(parts_.triangles.size());
       }
       triangle.object = static_cast<std::uint16_t>(index);
       triangle.material = mesh.material[t];
@@ -241,6 +227,10 @@ class Assembler {
     }
   }
 
+  std::uint32_t RegionOf(std::size_t index, std::uint32_t vertex) const {
+    return vertex_region_[index].empty() ? kNoIndex : vertex_region_[index][vertex];
+  }
+
   // The box of all places a triangle can be moved to.
   TreePrimitive Reach(std::size_t index, const Mesh& mesh, std::uint32_t t) const {
     std::array<Vec3, 9> places;
@@ -248,7 +238,7 @@ class Assembler {
     for (const std::uint32_t v : mesh.triangles[t]) {
       const Vec3& rest = mesh.vertices[v];
       places[count++] = rest;
-      const std::uint32_t r = vertex_region_[index][v];
+      const std::uint32_t r = RegionOf(index, v);
       if (r == kNoIndex) continue;
       const Region& region = parts_.regions[r];
       const Extrude& extrude = input_.materials[region.material].extrude;
@@ -262,7 +252,8 @@ class Assembler {
   SceneParts& parts_;
   BuildReport& report_;
   const base::WorkWatch& watch_;
-  std::vector<std::vector<std::uint32_t>> vertex_region_;
+  std::size_t vertex_count_ = 0, triangle_count_ = 0;      // of the whole scene
+  std::vector<std::vector<std::uint32_t>> vertex_region_;  // of an object without regions: empty
 };
 
 BuiltObject BuildObject(SceneInput& input, std::size_t index, BuildReport& report, const base::WorkWatch& watch) {
@@ -271,10 +262,10 @@ BuiltObject BuildObject(SceneInput& input, std::size_t index, BuildReport& repor
   RepairCounts repair;
   PhaseClock clock;
   built.mesh = RepairMesh(source, repair, watch);
-  source.vertices_base_m = {};
-  source.triangles = {};
-  source.triangle_material = {};
-  source.uv = {};
+  base::FreeMemory(source.vertices_base_m);
+  base::FreeMemory(source.triangles);
+  base::FreeMemory(source.triangle_material);
+  for (std::vector<CornerUv>& uv : source.uv) base::FreeMemory(uv);
   clock.AddTo(report.repair_ms);
   const TopologyReport topology = ConnectAndOrient(built.mesh, watch);
   clock.AddTo(report.topology_ms);

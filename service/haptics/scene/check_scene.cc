@@ -43,8 +43,8 @@ Status CheckHeader(const Scene& scene) {
   if (h.bytes != block.size()) return Error{"has another length than its header says"};
   const bool fits =
       Fits<Material>(h.materials, h.material_count, h.bytes) && Fits<Vertex>(h.vertices, h.vertex_count, h.bytes) &&
+      Fits<std::uint32_t>(h.region_of, h.region_of_count, h.bytes) &&
       Fits<Triangle>(h.triangles, h.triangle_count, h.bytes) && Fits<TreeNode>(h.nodes, h.node_count, h.bytes) &&
-      Fits<TrianglePacket>(h.packets, h.packet_count, h.bytes) &&
       Fits<WallNode>(h.wall_nodes, h.wall_node_count, h.bytes) &&
       Fits<WallSegment>(h.wall_segments, h.wall_segment_count, h.bytes) &&
       Fits<Object>(h.objects, h.object_count, h.bytes) && Fits<Region>(h.regions, h.region_count, h.bytes) &&
@@ -106,8 +106,11 @@ Status CheckMesh(const Scene& scene) {
   const SceneHeader& h = scene.header();
   for (const Vertex& v : scene.vertices()) {
     if (!base::IsWithin({v.x, v.y, v.z}, kMaxPlace_m)) return Error{"has a vertex that is out of range"};
-    if (v.region != kNoIndex && v.region >= h.region_count) return Error{"has a vertex with a missing region"};
-    if (v.first_triangle >= h.triangle_count) return Error{"has a vertex with a missing triangle"};
+  }
+  if (h.region_of_count != (h.region_count > 0 ? h.vertex_count : 0))
+    return Error{"has regions of other vertices than its own"};
+  for (const std::uint32_t region : scene.region_of()) {
+    if (region != kNoIndex && region >= h.region_count) return Error{"has a vertex with a missing region"};
   }
   for (const Triangle& t : scene.triangles()) {
     if (t.object >= h.object_count || t.material >= h.material_count ||
@@ -176,7 +179,7 @@ class TreeCheck {
         if (child == kNoChild) continue;
         if ((child & kLeafBit) == 0) {
           stack.emplace_back(child, depth + 1);
-        } else if (!LeafSound(child & kChildIndex, object)) {
+        } else if (!LeafSound(LeafRange::Of(child), object)) {
           return false;
         }
       }
@@ -185,16 +188,9 @@ class TreeCheck {
   }
 
  private:
-  bool LeafSound(std::uint32_t index, const Object& object) const {
-    if (index >= scene_.packets().size()) return false;
-    const TrianglePacket& packet = scene_.packets()[index];
-    for (const auto& corner : packet.corner) {
-      for (const auto& axis : corner) {
-        if (!std::all_of(std::begin(axis), std::end(axis), IsPlace)) return false;
-      }
-    }
-    return std::all_of(std::begin(packet.triangle), std::end(packet.triangle),
-                       [&](std::uint32_t t) { return t - object.first_triangle < object.triangle_count; });
+  static bool LeafSound(const LeafRange& leaf, const Object& object) {
+    const std::uint32_t before = leaf.first - object.first_triangle;
+    return before < object.triangle_count && leaf.count <= object.triangle_count - before;
   }
 
   const Scene& scene_;

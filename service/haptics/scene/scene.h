@@ -21,9 +21,7 @@
 namespace omni::haptics {
 
 struct Vertex {
-  double x, y, z;                // rest position, base frame, m
-  std::uint32_t region;          // extrude region it moves with, or kNoIndex
-  std::uint32_t first_triangle;  // one triangle that uses it
+  double x, y, z;  // rest position, base frame, m
 };
 
 // `vertex` counter-clockwise from outside; neighbour[k] is across the edge vertex[k] -> vertex[(k+1)%3], kNoIndex:
@@ -36,7 +34,7 @@ struct Triangle {
   std::uint16_t object;
   std::uint16_t material;
 };
-static_assert(sizeof(Vertex) == 32 && sizeof(Triangle) == 32);  // two per cache line
+static_assert(sizeof(Triangle) == 32);  // two per cache line
 
 struct Object {
   std::uint32_t first_triangle, triangle_count;
@@ -83,10 +81,10 @@ struct SceneHeader {
   std::uint32_t magic;
   std::uint32_t version;
   std::uint64_t bytes;
-  std::uint32_t vertex_count, triangle_count, node_count, packet_count, object_count, region_count, material_count;
+  std::uint32_t vertex_count, region_of_count, triangle_count, node_count, object_count, region_count, material_count;
   std::uint32_t wall_node_count, wall_segment_count, texture_count, texel_count, uv_count;
   std::uint32_t has_joystick, has_vehicle;
-  std::uint64_t vertices, triangles, nodes, packets, objects, regions, materials, wall_nodes, wall_segments, textures,
+  std::uint64_t vertices, region_of, triangles, nodes, objects, regions, materials, wall_nodes, wall_segments, textures,
       texels, uvs;  // offsets from the block's start
   JoystickInput joystick;
   double detent_curvature_N_m;  // stiffest direction of the joystick's notches, at any place
@@ -115,13 +113,14 @@ class Scene {
   // Precondition for all below: !empty().
   const SceneHeader& header() const noexcept { return *reinterpret_cast<const SceneHeader*>(block_.data()); }
   std::span<const Vertex> vertices() const noexcept { return View<Vertex>(header().vertices, header().vertex_count); }
+  // The extrude region that each vertex moves with, or kNoIndex; empty if the scene has no regions.
+  std::span<const std::uint32_t> region_of() const noexcept {
+    return View<std::uint32_t>(header().region_of, header().region_of_count);
+  }
   std::span<const Triangle> triangles() const noexcept {
     return View<Triangle>(header().triangles, header().triangle_count);
   }
   std::span<const TreeNode> nodes() const noexcept { return View<TreeNode>(header().nodes, header().node_count); }
-  std::span<const TrianglePacket> packets() const noexcept {
-    return View<TrianglePacket>(header().packets, header().packet_count);
-  }
   std::span<const Object> objects() const noexcept { return View<Object>(header().objects, header().object_count); }
   std::span<const Region> regions() const noexcept { return View<Region>(header().regions, header().region_count); }
   std::span<const Material> materials() const noexcept {

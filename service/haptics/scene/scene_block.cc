@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "service/base/free_memory.h"
+
 namespace omni::haptics {
 namespace {
 
@@ -25,7 +27,7 @@ class Writer {
       watch_.Did(now / 1024);
     }
     Clear(offset + bytes, Aligned<T>(values.size()) - bytes);
-    values = {};
+    base::FreeMemory(values);
     return offset;
   }
   void PutHeader(const SceneHeader& header, std::size_t bytes) {
@@ -55,8 +57,8 @@ Scene MakeScene(SceneParts parts, const base::WorkWatch& watch) {
   const std::size_t header_bytes = Writer::Aligned<SceneHeader>(1);
   const std::size_t bytes =
       header_bytes + Writer::Aligned<Material>(parts.materials.size()) +
-      Writer::Aligned<Vertex>(parts.vertices.size()) + Writer::Aligned<Triangle>(parts.triangles.size()) +
-      Writer::Aligned<TreeNode>(parts.nodes.size()) + Writer::Aligned<TrianglePacket>(parts.packets.size()) +
+      Writer::Aligned<Vertex>(parts.vertices.size()) + Writer::Aligned<std::uint32_t>(parts.region_of.size()) +
+      Writer::Aligned<Triangle>(parts.triangles.size()) + Writer::Aligned<TreeNode>(parts.nodes.size()) +
       Writer::Aligned<Object>(parts.objects.size()) + Writer::Aligned<Region>(parts.regions.size()) +
       Writer::Aligned<WallNode>(parts.wall_nodes.size()) + Writer::Aligned<WallSegment>(parts.wall_segments.size()) +
       Writer::Aligned<Texture>(parts.textures.size()) + Writer::Aligned<std::uint8_t>(parts.texels.size()) +
@@ -67,9 +69,9 @@ Scene MakeScene(SceneParts parts, const base::WorkWatch& watch) {
   header.version = kSceneVersion;
   header.bytes = bytes;
   header.vertex_count = static_cast<std::uint32_t>(parts.vertices.size());
+  header.region_of_count = static_cast<std::uint32_t>(parts.region_of.size());
   header.triangle_count = static_cast<std::uint32_t>(parts.triangles.size());
   header.node_count = static_cast<std::uint32_t>(parts.nodes.size());
-  header.packet_count = static_cast<std::uint32_t>(parts.packets.size());
   header.object_count = static_cast<std::uint32_t>(parts.objects.size());
   header.region_count = static_cast<std::uint32_t>(parts.regions.size());
   header.material_count = static_cast<std::uint32_t>(parts.materials.size());
@@ -81,9 +83,9 @@ Scene MakeScene(SceneParts parts, const base::WorkWatch& watch) {
   writer.Skip(header_bytes);
   header.materials = writer.Put(parts.materials);
   header.vertices = writer.Put(parts.vertices);
+  header.region_of = writer.Put(parts.region_of);
   header.triangles = writer.Put(parts.triangles);
   header.nodes = writer.Put(parts.nodes);
-  header.packets = writer.Put(parts.packets);
   header.objects = writer.Put(parts.objects);
   header.regions = writer.Put(parts.regions);
   header.wall_nodes = writer.Put(parts.wall_nodes);

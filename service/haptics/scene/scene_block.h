@@ -8,14 +8,14 @@
 namespace omni::haptics {
 
 inline constexpr std::uint32_t kSceneMagic = 0x31534D4F;  // "OMS1"
-inline constexpr std::uint32_t kSceneVersion = 6;
+inline constexpr std::uint32_t kSceneVersion = 7;
 
 struct SceneParts {
   SceneHeader header{};
   std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> region_of;  // of each vertex, or empty
   std::vector<Triangle> triangles;
   std::vector<TreeNode> nodes;
-  std::vector<TrianglePacket> packets;
   std::vector<Object> objects;
   std::vector<Region> regions;
   std::vector<Material> materials;

@@ -34,7 +34,7 @@ class SculptSurface : public PageView {
     return nodes_[index];
   }
   // Triangles of a leaf (child & kChildIndex); how many.
-  int LeafTriangles(std::uint32_t leaf, std::array<std::uint32_t, kPacketSize>& triangles) const noexcept {
+  int LeafTriangles(std::uint32_t leaf, std::array<std::uint32_t, kLeafSize>& triangles) const noexcept {
     const std::uint32_t page = leaf >> 6, group = leaf & 63;
     const PageTree& tree = GetPage(page).tree;
     const std::uint32_t begin = tree.GroupBegin(group), end = tree.GroupBegin(group + 1);

@@ -145,7 +145,7 @@ ordered_json BuildRow(const Body& body, const haptics::Scene& scene, const hapti
           {"scene_ms", report.build_ms},
           {"mesh_bytes", static_cast<double>(scene.vertices().size_bytes()) / n},
           {"adjacency_and_tags_bytes", static_cast<double>(scene.triangles().size_bytes()) / n},
-          {"tree_bytes", static_cast<double>(scene.nodes().size_bytes() + scene.packets().size_bytes()) / n},
+          {"tree_bytes", static_cast<double>(scene.nodes().size_bytes()) / n},
           {"far_tip_ns", FarTip_ns(scene)},
           {"no_scene_ns", FarTip_ns({})}};
 }
@@ -195,7 +195,7 @@ class Bench {
       scene = std::move(*built);
       build_ms.push_back(report.tree_ms);
     }
-    cost.tree_bytes = static_cast<double>(scene->nodes().size_bytes() + scene->packets().size_bytes());
+    cost.tree_bytes = static_cast<double>(scene->nodes().size_bytes());
     for (const OmniKind kind : {OmniKind::kProxy, OmniKind::kContact, OmniKind::kClosest, OmniKind::kClosestCold}) {
       Add(MakeOmni(kind, *scene, cost), body, engines);
       engines.back().build_ms = build_ms;

@@ -66,7 +66,7 @@ class BallDescent {
       gathered_at_ = centre_ + (0.5 * share) * move;
       reach_m_ = 0.7 * share * length_m + 4 * margin_m_;
       const bool complete = GatherNear(view_, root_, gathered_at_, radius_m_ + reach_m_, near_);
-      query_count_ += static_cast<int>(near_.count / kPacketSize);
+      query_count_ += static_cast<int>(near_.count / kLeafSize);
       if (!complete) continue;
       span_m_ *= 2;
       return true;
@@ -289,7 +289,7 @@ class BallDescent {
   Vec3 gathered_at_;    // around there, near_ is complete ...
   double reach_m_ = 0;  // ... for a ball whose centre is at most so far away
   BallNear near_;
-  int query_count_ = 0;  // triangles checked in this tick, packets while gathering
+  int query_count_ = 0;  // triangles checked in this tick, leaves while gathering
   std::array<std::uint32_t, kMaxActive> faces_{kNoIndex, kNoIndex, kNoIndex};  // that held the ball at the last move
   Vec3 last_slide_;
   double stride_ = 1;

@@ -26,15 +26,16 @@ struct BallNear {
   std::array<BallNeighbour, kMaxBallNear> of;
 };
 
-// Triangles of the packet within `bound` (squared) of p. False: there is no room for all.
-inline bool AddPacket(const TrianglePacket& packet, bool moves, const Lanes3& p, float bound, double slack_m,
-                      BallNear& near) noexcept {
-  alignas(16) float squared[kPacketSize] = {}, normal[3][kPacketSize] = {};
-  unsigned mask = 0xF;
-  if (!moves) {
-    const TriangleBounds bounds = BoundTriangles(packet, p);
+// Triangles of the leaf within `bound` (squared) of p. False: there is no room for all.
+template <LeafRangeView View>
+bool AddRange(const View& view, const LeafRange& leaf, const Lanes3& p, float bound, double slack_m,
+              BallNear& near) noexcept {
+  alignas(16) float squared[kLeafSize] = {}, normal[3][kLeafSize] = {};
+  unsigned mask = leaf.LaneMask();
+  if (!leaf.moves) {
+    const TriangleBounds bounds = BoundTriangles(view.RestCorners(leaf), p);
     const __m128 d = bounds.DistanceSquared();
-    mask ^= static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(d, _mm_set1_ps(bound))));
+    mask &= static_cast<unsigned>(_mm_movemask_ps(_mm_cmpngt_ps(d, _mm_set1_ps(bound))));
     if (mask == 0) return true;
     const __m128 back = _mm_div_ps(_mm_set1_ps(-1), _mm_sqrt_ps(bounds.length_squared));
     _mm_store_ps(squared, d);
@@ -43,11 +44,10 @@ inline bool AddPacket(const TrianglePacket& packet, bool moves, const Lanes3& p,
     _mm_store_ps(normal[2], _mm_mul_ps(back, bounds.to_nearest.z));
   }
   for (; mask != 0; mask &= mask - 1) {
-    const auto k = static_cast<std::size_t>(std::countr_zero(mask));
-    if (k > 0 && packet.triangle[k] == packet.triangle[0]) continue;  // fills an unused lane
+    const auto k = static_cast<std::uint32_t>(std::countr_zero(mask));
     if (near.count == kMaxBallNear) return false;
     BallNeighbour& added = near.of[near.count++];
-    added = {packet.triangle[k], {}, 0};
+    added = {leaf.first + k, {}, 0};
     if (!(squared[k] > 0)) continue;  // nothing is known
     added.normal = {normal[0][k], normal[1][k], normal[2][k]};
     added.lower_m = std::sqrt(double{squared[k]}) * (1 - 0x1p-20) - slack_m;
@@ -59,7 +59,7 @@ inline bool AddPacket(const TrianglePacket& packet, bool moves, const Lanes3& p,
 template <LeafListView View>
 bool AddList(const View& view, std::uint32_t leaf, const Vec3& p, double distance_m, double slack_m,
              BallNear& near) noexcept {
-  std::array<std::uint32_t, kPacketSize> triangles;
+  std::array<std::uint32_t, kLeafSize> triangles;
   const int count = view.LeafTriangles(leaf, triangles);
   for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
     const ClosestPoint closest = ClosestOnTriangle(view.TriangleCorners(triangles[k]), p);
@@ -90,9 +90,8 @@ bool GatherNear(const View& view, std::uint32_t root, const Vec3& p, double dist
   while (size > 0) {
     const std::uint32_t child = stack[--size];
     if ((child & kLeafBit) != 0) {
-      if constexpr (PacketView<View>) {
-        const bool moves = (child & kMovesBit) != 0;
-        if (!AddPacket(view.Packet(child & kChildIndex), moves, lanes, bound, slack_m, near)) return false;
+      if constexpr (LeafRangeView<View>) {
+        if (!AddRange(view, LeafRange::Of(child), lanes, bound, slack_m, near)) return false;
       } else {
         if (!AddList(view, child & kChildIndex, p, distance_m, slack_m, near)) return false;
       }

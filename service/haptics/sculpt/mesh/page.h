@@ -17,7 +17,7 @@ inline constexpr std::uint32_t kPageVertices = 160;
 inline constexpr std::uint32_t kPageFill = 224;        // triangles of a new page: the rest is room for splits
 inline constexpr std::uint32_t kPageVertexFill = 136;  // vertices of a new page
 inline constexpr std::uint32_t kMaxPages = 32768;      // 8 million triangles; further splits are refused
-inline constexpr std::uint32_t kGroups = 64;           // leaves of a page's tree, at most kPacketSize triangles each
+inline constexpr std::uint32_t kGroups = 64;           // leaves of a page's tree, at most kLeafSize triangles each
 
 constexpr std::uint32_t PageOf(std::uint32_t index) noexcept { return index >> 8; }
 constexpr std::uint32_t SlotOf(std::uint32_t index) noexcept { return index & 255; }
@@ -56,7 +56,7 @@ struct Page {
   PageContent content;
   PageTree tree;
 };
-static_assert(std::is_trivially_copyable_v<Page> && kPageTriangles == kGroups * kPacketSize);
+static_assert(std::is_trivially_copyable_v<Page> && kPageTriangles == kGroups * kLeafSize);
 
 inline bool UsesTriangle(const PageContent& page, std::uint32_t slot) noexcept {
   return (page.triangle_used[slot / 64] >> (slot % 64) & 1) != 0;
