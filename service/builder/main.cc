@@ -19,6 +19,7 @@
 
 #include "service/base/clock.h"
 #include "service/base/files/whole_file.h"
+#include "service/base/free_memory.h"
 #include "service/base/unique_fd.h"
 #include "service/builder/confine.h"
 #include "service/builder/messages.h"
@@ -244,6 +245,7 @@ int main() {
     std::fputs("omni-builder: is started by omnid, for one scene or soft body each time\n", stderr);
     return 2;
   }
+  omni::base::ReturnFreedBlocks();
   // Not through exit(): nothing is left to do, and what exit does is not allowed any more.
   try {
     _exit(omni::builder::Run());

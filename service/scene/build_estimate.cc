@@ -17,7 +17,7 @@ constexpr std::uint64_t kSoftPeak = 60 << 20;          // ... while it is comput
 constexpr std::uint64_t kSculptKeptPerTriangle = 400;  // pages, not full, and the edges of strokes
 
 // Bytes of a vertex and of a triangle while an object is connected and laid out.
-constexpr std::uint64_t kPeakPerVertex = 250, kPeakPerTriangle = 190;
+constexpr std::uint64_t kPeakPerVertex = 110, kPeakPerTriangle = 100;
 
 std::uint64_t UvBytes(std::uint64_t uv_triangles) { return uv_triangles * sizeof(haptics::CornerUv); }
 
@@ -40,8 +40,9 @@ BuildEstimate EstimateBuild(const SceneCounts& counts) {
     if (object.sculpted) sculpted += triangles * kSculptKeptPerTriangle;
     if (object.sculpted) live_peak = std::max(live_peak, triangles * kSculptKeptPerTriangle + 4 * mesh);
   }
-  // Parsing takes 12 bytes for each object and array, whose value takes 24.
-  const std::uint64_t parsed = counts.json_bytes + counts.document_bytes * 3 / 2;
+  // Parsing takes 12 bytes for each object and array, whose value takes 24; and one long text five times, in a buffer
+  // that doubles.
+  const std::uint64_t parsed = 5 * counts.json_bytes + counts.document_bytes * 3 / 2;
   if (counts.objects.empty()) {
     estimate.peak_bytes = kFixed + parsed + counts.nodes * kPerNode;
     return estimate;
@@ -53,7 +54,7 @@ BuildEstimate EstimateBuild(const SceneCounts& counts) {
                                 UvBytes(counts.mesh_uv_triangles) + counts.texels;
   const std::uint64_t reading =
       2 * counts.mesh_bytes + counts.image_bytes + 3 * counts.largest_image_samples + 2 * decoded;
-  estimate.peak_bytes = kFixed + document + std::max(reading, decoded + 2 * input + built);
+  estimate.peak_bytes = kFixed + document + std::max({reading, decoded + input, built});
   estimate.peak_bytes = std::max(estimate.peak_bytes, estimate.kept_bytes + live_peak);
   return estimate;
 }

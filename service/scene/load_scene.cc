@@ -87,13 +87,9 @@ BuildNeed NeedToRead(std::uint64_t json_bytes, std::uint64_t file_bytes) {
                  std::min<std::uint64_t>(file_bytes, kMaxImageBytes)};
 }
 
-// The estimate holds for the worst mesh, of which repair makes more, without a corner in common. One that is sound
-// takes 285 bytes of 420 for each triangle. One that takes more than this share is refused by its builder.
 BuildNeed NeedOf(const BuildEstimate& estimate) {
-  constexpr double kShare = 0.7;
-  const auto share =
-      static_cast<std::uint64_t>(kShare * static_cast<double>(std::min(estimate.peak_bytes, kMostBytes)));
-  return {estimate.kept_bytes, kProgram + std::max(share, 2 * std::min(estimate.kept_bytes, kMostBytes))};
+  const std::uint64_t peak = std::min(estimate.peak_bytes, kMostBytes);
+  return {estimate.kept_bytes, kProgram + std::max(peak, 2 * std::min(estimate.kept_bytes, kMostBytes))};
 }
 
 BuildNeed NeedOf(const haptics::Mesh& mesh, const haptics::SoftBodyOptions& options) {

@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "service/base/free_memory.h"
 #include "service/haptics/scene/scene.h"
 #include "service/scene/gltf/gltf_decode.h"
 #include "service/scene/gltf/gltf_file.h"
@@ -278,8 +279,8 @@ class SceneReader::Loader {
     DecodedSubset decoded = DecodeSubset(subset_, watch_);
     textures_.Decode(watch_);
     report_.images_decoded = textures_.images_decoded();
-    subset_.bytes = {};
-    subset_.accessors = {};
+    base::FreeMemory(subset_.bytes);
+    base::FreeMemory(subset_.accessors);
     std::size_t next = 0;
     for (SubsetPrimitive& primitive : subset_.primitives) {
       if (primitive.skipped.empty()) {

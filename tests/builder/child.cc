@@ -285,8 +285,8 @@ TEST_F(ChildBuilderTest, AMissingProgramIsSaid) {
 
 // What waits for memory says so, and is built when there is some.
 TEST_F(ChildBuilderTest, WaitsForMemoryInWords) {
-  SceneBuilder builder({.way = Children(), .limits = {.kept_bytes = 6 * kMB, .builders = 2}});
-  const config::AppEntry app = Rigid("ball", 40);  // 19,200 triangles: 2 MB, and 3 MB at most
+  SceneBuilder builder({.way = Children(), .limits = {.kept_bytes = 3 * kMB, .builders = 2}});
+  const config::AppEntry app = Rigid("ball", 40);  // 19,200 triangles: 1 MB, and 2 MB at most
   builder.Request(1, app);
   BuiltScene first = Result(builder);
   ASSERT_NE(first.scene, nullptr) << first.error;
@@ -296,7 +296,7 @@ TEST_F(ChildBuilderTest, WaitsForMemoryInWords) {
   std::optional<BuilderNote> note;
   ASSERT_TRUE(Soon([&] { return (note = builder.PopNote()).has_value(); }));
   EXPECT_EQ(note->client, 3U);
-  EXPECT_NE(note->text.find("waits for memory: needs 3 MB"), std::string::npos) << note->text;
+  EXPECT_NE(note->text.find("waits for memory: needs 2 MB"), std::string::npos) << note->text;
   ASSERT_EQ(builder.Status().rows.size(), 1U);
   EXPECT_NE(builder.Status().rows[0].state.find("waits for memory"), std::string::npos);
   EXPECT_FALSE(builder.PopResult());
@@ -305,11 +305,11 @@ TEST_F(ChildBuilderTest, WaitsForMemoryInWords) {
 }
 
 TEST_F(ChildBuilderTest, RefusesWhatAClientMayNotKeep) {
-  SceneBuilder builder({.way = Children(), .limits = {.client_bytes = 2 * kMB}});
+  SceneBuilder builder({.way = Children(), .limits = {.client_bytes = 1 * kMB}});
   builder.Request(1, Rigid("ball", 40));
   const BuiltScene built = Result(builder);
   EXPECT_EQ(built.scene, nullptr);
-  EXPECT_NE(built.error.find("a client may have 2 MB of built scenes"), std::string::npos) << built.error;
+  EXPECT_NE(built.error.find("a client may have 1 MB of built scenes"), std::string::npos) << built.error;
 }
 
 }  // namespace test_builder_child

@@ -35,7 +35,7 @@ constexpr Hostile kHostile[] = {
     {"unknown-kind", "broke its protocol"},
     {"descriptor", "or a descriptor"},
     {"huge-need", "the limit is 1200 MB"},
-    {"keeps-much", "a client may have 512 MB of built scenes"},
+    {"keeps-much", "a client may have 256 MB of built scenes"},
     {"need-twice", "broke its protocol"},
     {"digest-first", "broke its protocol"},
     {"result-first", "broke its protocol"},

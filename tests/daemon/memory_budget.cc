@@ -24,7 +24,7 @@ BuildRequest Scene(std::uint64_t client, const scene::BuildNeed& need) {
   return {.job = client, .payer = client, .soft = false, .need = need};
 }
 
-const scene::BuildNeed kGiant = Need(410, 1170);
+const scene::BuildNeed kGiant = Need(250, 1170);
 
 Number Started(MemoryBudget& budget, const BuildRequest& request) {
   const Number number = budget.Wait(request);
@@ -58,14 +58,14 @@ TEST(MemoryBudget, RefusesWhatAClientMayNotKeep) {
   MemoryBudget budget({});
   std::string why;
   const Number first = Started(budget, Scene(1, {}));
-  ASSERT_EQ(budget.Grow(first, Need(400, 900), why), Answer::kGranted);
-  budget.Finish(first, 390 * kMB);
-  BuildRequest other = Scene(1, Need(200, 500));
+  ASSERT_EQ(budget.Grow(first, Need(200, 900), why), Answer::kGranted);
+  budget.Finish(first, 190 * kMB);
+  BuildRequest other = Scene(1, Need(100, 500));
   other.job = 77;  // of the same client
   EXPECT_EQ(budget.WhyRefused(other),
-            "needs 200 MB, a client may have 512 MB of built scenes and has 390 MB of others; simplify the model, or "
+            "needs 100 MB, a client may have 256 MB of built scenes and has 190 MB of others; simplify the model, or "
             "tag only what is touched");
-  EXPECT_EQ(budget.WhyRefused(Scene(1, Need(500, 900))), "") << "it replaces its own";
+  EXPECT_EQ(budget.WhyRefused(Scene(1, Need(250, 900))), "") << "it replaces its own";
   EXPECT_EQ(budget.WhyRefused(Scene(2, Need(200, 500))), "");
   EXPECT_EQ(budget.WhyRefused(Scene(2, Need(200, 1300))),
             "needs 1300 MB while it is built, the limit is 1200 MB; simplify the model, or tag only what is touched");
@@ -73,11 +73,13 @@ TEST(MemoryBudget, RefusesWhatAClientMayNotKeep) {
 
 TEST(MemoryBudget, WaitsUntilOthersGiveUpTheirScenes) {
   MemoryBudget budget({.builders = 4});
-  const Number kept = budget.Finish(Started(budget, Scene(1, kGiant)), 410 * kMB);
+  const Number kept = budget.Finish(Started(budget, Scene(1, kGiant)), 250 * kMB);
+  budget.Finish(Started(budget, Scene(4, kGiant)), 250 * kMB);
+  budget.Finish(Started(budget, Scene(5, kGiant)), 250 * kMB);
   const Number second = budget.Wait(Scene(2, kGiant));
   EXPECT_EQ(budget.StartNext(), std::nullopt);
-  EXPECT_EQ(budget.WhyItWaits(second), "waits for memory: needs 410 MB, 358 MB are free until other applications end");
-  const Number third = budget.Wait(Scene(3, Need(100, 300)));
+  EXPECT_EQ(budget.WhyItWaits(second), "waits for memory: needs 250 MB, 18 MB are free until other applications end");
+  const Number third = budget.Wait(Scene(3, Need(10, 300)));
   EXPECT_EQ(budget.StartNext(), third);
   budget.FreeKept(kept);
   EXPECT_EQ(budget.StartNext(), std::nullopt) << "the pool is used";
@@ -88,12 +90,14 @@ TEST(MemoryBudget, WaitsUntilOthersGiveUpTheirScenes) {
 // What is replaced stays for a while: memory as a whole keeps its limit.
 TEST(MemoryBudget, AReplacedSceneCountsUntilItIsFreed) {
   MemoryBudget budget({.builders = 4});
-  const Number old = budget.Finish(Started(budget, Scene(1, kGiant)), 410 * kMB);
+  budget.Finish(Started(budget, Scene(2, kGiant)), 250 * kMB);
+  budget.Finish(Started(budget, Scene(3, kGiant)), 250 * kMB);
+  const Number old = budget.Finish(Started(budget, Scene(1, kGiant)), 250 * kMB);
   const Number again = Started(budget, Scene(1, kGiant));
-  budget.Finish(again, 410 * kMB);
-  EXPECT_EQ(budget.kept_bytes(), 820 * kMB);
+  budget.Finish(again, 250 * kMB);
+  EXPECT_EQ(budget.kept_bytes(), 1000 * kMB);
   budget.Wait(Scene(1, kGiant));
-  EXPECT_EQ(budget.StartNext(), std::nullopt) << "52 MB are kept beyond the limit, the pool is smaller by them";
+  EXPECT_EQ(budget.StartNext(), std::nullopt) << "232 MB are kept beyond the limit, the pool is smaller by them";
   budget.FreeKept(old);
   EXPECT_TRUE(budget.StartNext());
 }
@@ -131,7 +135,7 @@ TEST(MemoryBudget, KeepsItsLimitsAndStarvesNone) {
       if (more && roll(0, 2) == 0) {
         const bool giant = roll(0, 4) == 0;
         BuildRequest request =
-            Scene(roll(1, 6), giant ? Need(roll(200, 410), roll(700, 1200)) : Need(roll(1, 5), roll(5, 90)));
+            Scene(roll(1, 6), giant ? Need(roll(100, 250), roll(700, 1200)) : Need(roll(1, 5), roll(5, 90)));
         request.soft = roll(0, 5) == 0;
         if (budget.WhyRefused(request).empty()) {
           const Number number = budget.Wait(request);

@@ -3,6 +3,7 @@
 // the sanitizer's allocator hooks, which see allocations and frees alike.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace omni::loop {
@@ -18,6 +19,20 @@ class AllocProbe {
 
  private:
   std::uint64_t begin_;
+};
+
+// The most bytes of the heap that all threads had in use at once since it was made, beyond those in use then: reserved
+// is used, written or not. Zero under sanitizers.
+class HeapPeak {
+ public:
+  HeapPeak() noexcept;
+  HeapPeak(const HeapPeak&) = delete;
+  HeapPeak& operator=(const HeapPeak&) = delete;
+
+  std::size_t bytes() const noexcept;
+
+ private:
+  std::size_t begin_;
 };
 
 }  // namespace omni::loop

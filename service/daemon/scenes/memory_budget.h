@@ -17,7 +17,7 @@ inline constexpr std::uint64_t kMB = 1'000'000;
 // With what omnid itself takes, below the limit of manifests/systemd/omnid.service.in (tests/daemon/memory_budget.cc
 // compares, with docs/scenes.md too).
 struct MemoryLimits {
-  std::uint64_t client_bytes = 512 * kMB;  // of built scenes, for each client
+  std::uint64_t client_bytes = 256 * kMB;  // of built scenes, for each client
   std::uint64_t kept_bytes = 768 * kMB;    // of built scenes, for all
   std::uint64_t pool_bytes = 1200 * kMB;   // of builders that run, together
   std::uint32_t builders = 2;              // at once, at least 2; soft bodies leave one of them to scenes

@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "service/base/free_memory.h"
 #include "service/base/threads/realtime_threads.h"
 #include "service/config/paths.h"
 #include "service/haptics/live/make_live.h"
@@ -345,7 +346,7 @@ class SceneBuilder::Work : public std::enable_shared_from_this<Work> {
     if (cache && !cache->problem().empty() && !cache_reported_.exchange(true)) {
       built.warnings.push_back("scene cache: " + cache->problem());
     }
-    built.load.rows = {};  // for people; up to a hundred thousand of them
+    base::FreeMemory(built.load.rows);  // for people; up to a hundred thousand of them
     plan = haptics::MakeLive(made, RoomFor(number));
     for (const std::string& line : plan.lines) built.warnings.push_back(built.file + ": " + line);
     if (!task.job.application.empty() && !task.cancel.is_set()) {

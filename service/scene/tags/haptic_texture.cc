@@ -7,6 +7,7 @@
 
 #include <stb/stb_image.h>
 
+#include "service/base/free_memory.h"
 #include "service/haptics/scene/scene.h"
 #include "service/scene/gltf/json_reading.h"
 
@@ -162,7 +163,7 @@ void TextureReader::Read(const TextureUse& use) {
       stored_bytes_ += image.stored.size();
     }
     if (stored_bytes_ > file_.stored_bytes()) {
-      image.stored = {};
+      base::FreeMemory(image.stored);
       throw LoadError(image.pointer, "is among images that share their bytes; give each its own");
     }
   } catch (const LoadError& error) {
@@ -200,7 +201,7 @@ void TextureReader::Decode(const base::WorkWatch& watch) {
     } catch (const LoadError& error) {
       warnings_.Add(image.pointer, std::string("is not used, 1 is used everywhere: ") + error.what());
     }
-    image.stored = {};
+    base::FreeMemory(image.stored);
   }
 }
 

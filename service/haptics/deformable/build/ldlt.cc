@@ -1,5 +1,7 @@
 #include "service/haptics/deformable/build/ldlt.h"
 
+#include "service/base/free_memory.h"
+
 namespace omni::haptics {
 namespace {
 
@@ -49,7 +51,7 @@ struct Dissection {
           std::any_of(around.begin(), around.end(), [&](std::uint32_t m) { return side[m] == upper_mark; });
       (touches ? between : lower).push_back(*n);
     }
-    nodes = {};
+    base::FreeMemory(nodes);
     Run(std::move(lower));
     Run(std::move(upper));
     order.insert(order.end(), between.begin(), between.end());
