@@ -54,6 +54,14 @@ class BorderVertices {
     root_ = AppendTree(points, 0, nodes_, watch).root;
     order_.reserve(points.size());
     for (const TreePrimitive& point : points) order_.push_back(point.triangle);
+    // The last leaf is loaded as if it were full.
+    for (std::vector<float>* values : {&x_, &y_, &z_}) values->reserve(points.size() + kLeafSize);
+    for (const std::uint32_t v : order_) {
+      x_.push_back(static_cast<float>(mesh.vertices[v].x));
+      y_.push_back(static_cast<float>(mesh.vertices[v].y));
+      z_.push_back(static_cast<float>(mesh.vertices[v].z));
+    }
+    for (std::vector<float>* values : {&x_, &y_, &z_}) values->resize(points.size() + kLeafSize);
   }
 
   // After edges were split: no vertex comes to the border by that, some leave it.
@@ -90,7 +98,7 @@ class BorderVertices {
         }
         budget_.Spend(1);
         const LeafRange leaf = LeafRange::Of(child);
-        for (unsigned near = leaf.LaneMask() & MayLieOn(leaf, segment); near != 0; near &= near - 1) {
+        for (unsigned near = leaf.LaneMask() & MayLieOn(segment, leaf.first); near != 0; near &= near - 1) {
           Test(a, b, order_[leaf.first + static_cast<unsigned>(std::countr_zero(near))], hits);
         }
       }
@@ -106,12 +114,9 @@ class BorderVertices {
   }
 
  private:
-  // One bit for each of the leaf's vertices.
-  unsigned MayLieOn(const LeafRange& leaf, const SegmentLanes& segment) const {
-    const auto place = [&](std::uint32_t lane) {
-      return &mesh_.vertices[order_[leaf.first + std::min(lane, leaf.count - 1)]].x;
-    };
-    const Lanes3 points = GatherPoints({place(0), place(1), place(2), place(3)});
+  // One bit for each of the vertices from `first` on, in the order of the leaves.
+  unsigned MayLieOn(const SegmentLanes& segment, std::uint32_t first) const {
+    const Lanes3 points{_mm_loadu_ps(&x_[first]), _mm_loadu_ps(&y_[first]), _mm_loadu_ps(&z_[first])};
     return static_cast<unsigned>(_mm_movemask_ps(MayMeet(segment, points, points)));
   }
 
@@ -130,6 +135,7 @@ class BorderVertices {
   const base::WorkWatch& watch_;
   std::vector<TreeNode> nodes_;
   std::vector<std::uint32_t> order_;
+  std::vector<float> x_, y_, z_;  // rounded, in this order
   std::vector<bool> on_border_;
   std::uint32_t root_ = 0;
   double tolerance_m_ = 0, extent_m_ = 0;
