@@ -1,4 +1,5 @@
 """scripts/check finds what it is there to find."""
+import functools
 import importlib.machinery
 import importlib.util
 import json
@@ -60,6 +61,32 @@ class JoinedSources(unittest.TestCase):
     def test_each_source_is_looked_at_once(self):
         alone = {**self.entry, "file": str(self.folder / "service/bad.cc")}
         self.assertEqual(len(check.joined_commands([self.entry, alone, self.entry], self.folder)), 1)
+
+    @unittest.skipUnless(shutil.which("clang-tidy"), "clang-tidy is not installed")
+    def test_what_was_clean_is_known_until_what_is_read_changes(self):
+        source, header = self.folder / "service/one.cc", self.folder / "service/one.h"
+        source.write_text('#include "one.h"\nint Twice(int x) { return 2 * x; }  // of x\n')
+        header.write_text("int Twice(int x);\n")
+        command = f"c++ -std=c++20 -o one.o -c {source}"
+        ran = self.folder / "ran"
+
+        def check_it(words=()):
+            ran.unlink(missing_ok=True)
+            clean = check.Clean(self.folder / "clean")
+            known = functools.partial(clean.path, str(self.folder), command, str(source), list(words))
+            status = "1" if "bad" in source.read_text() else "0"
+            check.each({"one": (str(self.folder), ["sh", "-c", f"touch {ran}; exit {status}"], known)})
+            return ran.exists()
+
+        self.assertTrue(check_it())
+        self.assertFalse(check_it())
+        self.assertTrue(check_it(["--checks=-*"]))
+        header.write_text("int Twice(int x);  // NOLINT\n")
+        self.assertTrue(check_it())
+        self.assertFalse(check_it())
+        source.write_text(source.read_text() + "// bad\n")
+        self.assertTrue(check_it())
+        self.assertTrue(check_it(), "what has findings is checked each time")
 
     @unittest.skipUnless(shutil.which("clang-tidy"), "clang-tidy is not installed")
     def test_the_analyzer_sees_into_joined_sources(self):
