@@ -7,6 +7,7 @@
 #include "service/tools/scene/scene.h"
 #include "tests/bench/haptics/scene_files.h"
 #include "tests/bench/harness/bench.h"
+#include "tests/bench/harness/program.h"
 #include "tests/bench/harness/work_folder.h"
 #include "tests/support/process/child_process.h"
 
@@ -18,7 +19,9 @@ using nlohmann::ordered_json;
 
 base::Result<ordered_json> CostOf(const fs::path& work, const std::string& file) {
   const fs::path output = work / "cost.json";
-  auto child = test::ChildProcess::Start({fs::read_symlink("/proc/self/exe").string(), "scene", "cost", file},
+  const base::Result<std::string> omni = ProgramBeside("omni");
+  if (!omni.ok()) return base::Error{omni.error()};
+  auto child = test::ChildProcess::Start({*omni, "scene", "cost", file},
                                          {"XDG_CACHE_HOME=" + (work / "cache").string()}, output.string());
   if (!child.ok()) return base::Error{child.error()};
   const int status = child->Wait();

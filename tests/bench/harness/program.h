@@ -8,6 +8,9 @@
 
 namespace omni::bench {
 
+// Path of the program `name` in the folder of this one. Error: not built.
+base::Result<std::string> ProgramBeside(const std::string& name);
+
 // Rows that the program `name` prints: one JSON array of flat rows (tests/bench/printed_rows.h). It is given --seed,
 // --quick, --ticks and --mesh of `options`. Error: not built, failed, or printed something else.
 base::Result<BenchRows> RunBenchProgram(const std::string& name, const BenchOptions& options);
