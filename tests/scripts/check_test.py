@@ -84,6 +84,8 @@ class JoinedSources(unittest.TestCase):
         header.write_text("int Twice(int x);  // NOLINT\n")
         self.assertTrue(check_it())
         self.assertFalse(check_it())
+        header.write_text(header.read_text() + "#define UNUSED(x) x\n")
+        self.assertTrue(check_it(), "clang-tidy looks at macros that nothing uses, too")
         source.write_text(source.read_text() + "// bad\n")
         self.assertTrue(check_it())
         self.assertTrue(check_it(), "what has findings is checked each time")
