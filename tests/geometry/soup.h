@@ -36,14 +36,7 @@ class Soup {
   const Record& GetTriangle(std::uint32_t t) const noexcept { return records_[PlaceOf(t)]; }
   const TreeNode& Node(std::uint32_t index) const noexcept { return nodes[index]; }
   LeafCorners RestCorners(const LeafRange& leaf) const noexcept {
-    LeafCorners corners;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto place = [&](std::uint32_t lane) {
-        return &corners_[PlaceOf(leaf.first) + std::min(lane, leaf.count - 1)][k].x;
-      };
-      corners[k] = GatherPoints({place(0), place(1), place(2), place(3)});
-    }
-    return corners;
+    return GatherCorners(leaf, [&](std::uint32_t t, std::size_t k) { return &corners_[PlaceOf(t)][k].x; });
   }
   double TreeExtent() const noexcept { return extent_m_; }
 

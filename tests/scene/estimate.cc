@@ -45,7 +45,7 @@ std::optional<SceneCounts> CountsOf(const std::string& path, const LoadOptions& 
   LoadReport report;
   try {
     return SceneReader(path, options, report).Count();
-  } catch (const std::exception& error) {
+  } catch (const std::exception&) {
     return std::nullopt;
   }
 }

@@ -55,13 +55,14 @@ class BorderVertices {
     order_.reserve(points.size());
     for (const TreePrimitive& point : points) order_.push_back(point.triangle);
     // The last leaf is loaded as if it were full.
-    for (std::vector<float>* values : {&x_, &y_, &z_}) values->reserve(points.size() + kLeafSize);
-    for (const std::uint32_t v : order_) {
-      x_.push_back(static_cast<float>(mesh.vertices[v].x));
-      y_.push_back(static_cast<float>(mesh.vertices[v].y));
-      z_.push_back(static_cast<float>(mesh.vertices[v].z));
+    for (std::vector<float>* values : {&x_, &y_, &z_}) values->resize(order_.size() + kLeafSize);
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      watch.Did();
+      const Vec3& p = mesh.vertices[order_[i]];
+      x_[i] = static_cast<float>(p.x);
+      y_[i] = static_cast<float>(p.y);
+      z_[i] = static_cast<float>(p.z);
     }
-    for (std::vector<float>* values : {&x_, &y_, &z_}) values->resize(points.size() + kLeafSize);
   }
 
   // After edges were split: no vertex comes to the border by that, some leave it.

@@ -38,15 +38,8 @@ class Surface {
   const Triangle& GetTriangle(std::uint32_t index) const noexcept { return triangles_[index]; }
   const TreeNode& Node(std::uint32_t index) const noexcept { return nodes_[index]; }
   LeafCorners RestCorners(const LeafRange& leaf) const noexcept {
-    const Triangle* const triangle = triangles_ + leaf.first;
-    LeafCorners corners;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto place = [&](std::uint32_t lane) noexcept {
-        return &vertices_[triangle[std::min(lane, leaf.count - 1)].vertex[k]].x;
-      };
-      corners[k] = GatherPoints({place(0), place(1), place(2), place(3)});
-    }
-    return corners;
+    return GatherCorners(
+        leaf, [&](std::uint32_t t, std::size_t k) noexcept { return &vertices_[triangles_[t].vertex[k]].x; });
   }
   double TreeExtent() const noexcept { return tree_extent_m_; }
   std::uint32_t region_count() const noexcept { return region_count_; }

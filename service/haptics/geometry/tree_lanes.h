@@ -4,6 +4,7 @@
 
 #include <emmintrin.h>
 
+#include <algorithm>
 #include <array>
 #include <cfloat>
 #include <cmath>
@@ -124,8 +125,19 @@ inline Lanes3 GatherPoints(const std::array<const double*, kLeafSize>& of) noexc
           _mm_movelh_ps(z(0), z(2))};
 }
 
-// The rest corners of a leaf's triangles, [corner], one triangle per lane; unused lanes repeat the last.
+// The corners of a leaf's triangles, [corner], one triangle per lane; unused lanes repeat the last.
 using LeafCorners = std::array<Lanes3, 3>;
+
+// `place(triangle, k)`: x, y and z of its corner k.
+template <class Place>
+LeafCorners GatherCorners(const LeafRange& leaf, const Place& place) noexcept {
+  LeafCorners corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto of = [&](std::uint32_t lane) noexcept { return place(leaf.first + std::min(lane, leaf.count - 1), k); };
+    corners[k] = GatherPoints({of(0), of(1), of(2), of(3)});
+  }
+  return corners;
+}
 
 // Triangles whose box the segment may intersect, one bit per lane.
 inline int MeetMask(const LeafCorners& corners, const SegmentLanes& s) noexcept {
