@@ -13,6 +13,18 @@
 
 namespace omni::haptics {
 
+// What a grating knows of the tip on it, in the object's rest frame: contact/grating.h.
+struct GratingState {
+  bool started = false;
+  base::Vec3 place_m;   // of the tip, smoothed
+  base::Vec3 slip_m_s;  // of that place
+  base::Vec3 rate_m_s;  // measured slip, smoothed for a short time ...
+  base::Vec3 pace_m_s;  // ... and that of the place for a long one
+  base::Vec3 across;    // unit, across the ridges; zero: not known yet
+  double turned_m = 0;  // way that the tip has gone in another direction
+  double shift = 0;     // turns, of the phase from that of the place
+};
+
 // One touched object.
 struct ContactState {
   bool active = false;
@@ -37,6 +49,7 @@ struct ContactState {
   bool popped = false;        // popped through, or appeared around the tip: no force until the tip is outside
   bool in_flight = false;     // a ball that nothing holds is on its way to the tip: no force until it meets something
   double through_s = 0;       // how long the tip has been out on the far side
+  GratingState grating;
 
   bool IsFelt() const noexcept { return active && !popped && !in_flight; }
 };
@@ -192,8 +205,7 @@ struct State {
   double left_fade_s = 0;  // ... which fades out over this time
   double ramp = 0;         // 0..1 gain on contact forces
   base::Vec3 last_force_N;
-  double felt_share = 1;  // of the contacts' force, by the limit of the last tick
-  double texture_phase = 0;
+  double felt_share = 1;      // of the contacts' force, by the limit of the last tick
   double far_distance_m = 0;  // motion bound: nothing can be touched before the tip moved this far
   base::Vec3 far_origin_base_m;
 };

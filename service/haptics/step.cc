@@ -152,22 +152,13 @@ Vec3 Collect(const ContactForces& forces, double ramp, const State& state, Touch
 // Follows the contacts to the tip and gives their forces.
 ContactForces Follow(const ContactScene& contact_scene, const StiffnessBound& bound, const Input& input,
                      const Vec3& on_changed_N, State& state) noexcept {
-  std::array<Vec3, kMaxContacts> last_proxy_m;
-  std::array<bool, kMaxContacts> was_active{};
-  for (std::size_t k = 0; k < kMaxContacts; ++k) {
-    last_proxy_m[k] = state.contacts[k].proxy_m;
-    was_active[k] = state.contacts[k].active;
-  }
   if (state.was_tracked) {
     UpdateContacts(contact_scene, input.dt_s, state);
   } else {
     StartContacts(contact_scene, state);
   }
   if (contact_scene.anything_moves()) StartLeaving(contact_scene, on_changed_N, state);
-  for (std::size_t k = 0; k < kMaxContacts; ++k) {
-    if (!was_active[k]) last_proxy_m[k] = state.contacts[k].proxy_m;
-  }
-  return ForcesOf(bound, contact_scene, input, last_proxy_m, state);
+  return ForcesOf(bound, contact_scene, input, state);
 }
 
 using RegionTouches = std::array<RegionTouch, kMaxRegions>;

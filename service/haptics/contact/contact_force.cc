@@ -2,6 +2,7 @@
 
 #include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/contact/effects.h"
+#include "service/haptics/contact/grating.h"
 #include "service/haptics/contact/shading.h"
 #include "service/haptics/contact/soft_touch.h"
 #include "service/haptics/geometry/topology.h"
@@ -104,11 +105,18 @@ struct ContactModel {
     return std::max(0.0, elastic_N - damping_Ns_m * Dot(met.velocity_m_s, met.normal));
   }
 
-  double Ripple(const Material& m, const SurfaceFactors& factors, double stiffness_N_m, double elastic_N, double slid_m,
-                double& phase) const noexcept {
-    const TextureEffect texture{factors.ripple * m.texture_amplitude_m, m.texture_wavelength_m, m.texture_gain};
+  double Ripple(const Material& m, const SurfaceFactors& factors, const ContactGeometry& met, double stiffness_N_m,
+                double elastic_N, ContactState& contact) const noexcept {
     const VibrationEffect hum{m.vibration_amplitude_N, m.vibration_frequency_Hz};
-    return texture.ForceOn(stiffness_N_m, elastic_N, slid_m, dt_s, phase) + hum.ForceOn(input.t_ns, elastic_N);
+    const double hum_N = hum.ForceOn(input.t_ns, elastic_N);
+    const Grating grating{factors.ripple * m.texture_amplitude_m, m.texture_wavelength_m, m.texture_gain};
+    if (!grating.IsFelt()) return hum_N;
+    const SlidingTip tip{.place_m = contact.proxy_m,
+                         .slip_m_s = SlipAlong(met.velocity_m_s, met.normal),
+                         .ahead_s = bound.ahead_s,
+                         .coil_lag_s = bound.coil_lag_s,
+                         .dt_s = dt_s};
+    return hum_N + grating.ForceOn(tip, stiffness_N_m, elastic_N, contact.grating);
   }
 
   Vec3 Drag(const Material& m, const Object& object, const Vec3& velocity_m_s) const noexcept {
@@ -129,7 +137,7 @@ struct ContactModel {
 
   // `body_N`: the force of a soft body.
   ContactForce Of(const ContactGeometry& met, const SurfaceFactors& factors, double stiffness_N_m, double body_N,
-                  const Vec3& last_proxy_m, double& texture_phase, ContactState& contact) const noexcept {
+                  ContactState& contact) const noexcept {
     const Material& m = MaterialOf(contact_scene, contact);
     ContactForce result;
     result.depth_m = met.depth_m;
@@ -139,9 +147,8 @@ struct ContactModel {
     const double tangential_N_m = met.depth_m > 1e-9 ? result.elastic_N / met.depth_m : 0;
     const double rubs_N_m = std::min({tangential_N_m, stiffness_N_m, bound.stiffness_N_m});  // any direction
     const Vec3 friction = Rub(met, factors, m, rubs_N_m, result.elastic_N, contact);
-    const double slid_m = contact.sticking ? 0 : Norm(contact.proxy_m - last_proxy_m);
     const double normal_N = Normal(m, result.elastic_N, met);
-    const double ripple_N = Ripple(m, factors, stiffness_N_m, result.elastic_N, slid_m, texture_phase);
+    const double ripple_N = Ripple(m, factors, met, stiffness_N_m, result.elastic_N, contact);
     const Object& object = contact_scene.scene().objects()[contact.object];
     result.force_N = std::max(0.0, normal_N + ripple_N) * met.normal + friction + Drag(m, object, met.velocity_m_s);
     FadeSwap(result, contact);
@@ -248,7 +255,7 @@ void QueryBodies(const ContactScene& contact_scene, double dt_s, ContactGeometri
 }  // namespace
 
 ContactForces ForcesOf(const StiffnessBound& bound, const ContactScene& contact_scene, const Input& input,
-                       const std::array<Vec3, kMaxContacts>& last_proxy_m, State& state) noexcept {
+                       State& state) noexcept {
   ContactGeometries all = MeasureContacts(contact_scene, input, bound, state);
   QueryBodies(contact_scene, input.dt_s, all, state);
   ContactForces forces;
@@ -257,8 +264,7 @@ ContactForces ForcesOf(const StiffnessBound& bound, const ContactScene& contact_
     ContactState& contact = state.contacts[k];
     if (!contact.IsFelt()) continue;
     const Material& m = MaterialOf(contact_scene, contact);
-    ContactForce force = model.Of(all.met[k], all.factors[k], all.stiffness_N_m[k], all.body_N[k], last_proxy_m[k],
-                                  state.texture_phase, contact);
+    ContactForce force = model.Of(all.met[k], all.factors[k], all.stiffness_N_m[k], all.body_N[k], contact);
     force.report.load = all.load[k];
     force.report.point_base_m = all.met[k].frame.ToBase(DeformedProxy(contact_scene, contact, state));
     PopIfTooHard(m, contact_scene.scene().objects()[contact.object], contact_scene.tip_radius_m() > 0, force, contact);

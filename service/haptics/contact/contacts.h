@@ -40,10 +40,9 @@ struct ContactForces {
   std::array<ContactForce, kMaxContacts> of{};  // by slot of State::contacts
 };
 
-// Forces of all active contacts. `last_proxy_m[k]`: proxy of slot k one tick ago. Contacts that pop through are marked
-// or dropped.
+// Forces of all active contacts. Contacts that pop through are marked or dropped.
 ContactForces ForcesOf(const StiffnessBound& bound, const ContactScene& contact_scene, const Input& input,
-                       const std::array<Vec3, kMaxContacts>& last_proxy_m, State& state) noexcept;
+                       State& state) noexcept;
 
 // Contacts on sculpted surfaces: rebound when the surface has changed, and handed to the tool that grabs it
 // (sculpt_touch.cc)   (sculpting.md, 5 and 6).

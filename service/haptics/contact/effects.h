@@ -1,4 +1,4 @@
-// Force models of a contact: softness, stick-slip friction, ripple, vibration, viscosity, magnet, pop-through; and the
+// Force models of a contact: softness, stick-slip friction, vibration, viscosity, magnet, pop-through; and the
 // haptic textures that a material's factors are multiplied with. docs/theory/haptics.md, sections 4 to 6.
 #pragma once
 
@@ -14,13 +14,6 @@
 namespace omni::haptics {
 
 using base::Vec3;
-
-// A ridge pattern rendered as a ripple of the normal force while the tip slides over it.
-struct TextureEffect {
-  double amplitude_m, wavelength_m, gain;
-  // Advances `phase` (in wavelengths) by the path `slid_m`.
-  double ForceOn(double stiffness_N_m, double normal_force_N, double slid_m, double dt_s, double& phase) const noexcept;
-};
 
 // A steady hum while touched.
 struct VibrationEffect {

@@ -146,17 +146,25 @@ double BestPrediction_s(const Config& config, const Input& input) noexcept {
 
 StiffnessBound UpdateStiffnessBound(const Config& config, const Input& input, bool touching,
                                     StiffnessBoundState& state) noexcept {
-  if (!(LoopLag_s(config, input) > 0) || !IsPlausible(input.noise)) return {};
+  const double lag_s = LoopLag_s(config, input);
+  if (!(lag_s > 0) || !IsPlausible(input.noise)) return {};
   state.age_s += input.dt_s;
   if (!state.known || state.age_s >= (touching ? kRenewInTouch_s : kRenewInAir_s)) {
     Renew(config, input, touching, state.age_s, state);
     state.age_s = 0;
   }
-  return StiffnessBoundOf(input.axis_base, state);
+  StiffnessBound bound = StiffnessBoundOf(input.axis_base, state);
+  bound.ahead_s = std::max(0.0, lag_s - bound.predict_s);
+  bound.coil_lag_s = config.coil_lag_s;
+  return bound;
 }
 
 StiffnessBound StiffnessBoundOf(const Vec3& axis_base, const StiffnessBoundState& state) noexcept {
-  return {state.stiffness_N_m, state.along_N_m, axis_base, state.damping_Ns_m, state.predict_s};
+  return {.stiffness_N_m = state.stiffness_N_m,
+          .along_N_m = state.along_N_m,
+          .axis_base = axis_base,
+          .damping_Ns_m = state.damping_Ns_m,
+          .predict_s = state.predict_s};
 }
 
 double StiffnessShare(const std::array<Vec3, kMaxContacts>& normals,

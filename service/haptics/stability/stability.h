@@ -12,13 +12,15 @@ namespace omni::haptics {
 
 using base::Vec3;
 
-// The bounds of one tick.
+// The bounds of one tick, and the loop's times.
 struct StiffnessBound {
   double stiffness_N_m = 0;  // in the worst direction
   double along_N_m = 0;      // along the pen's axis, at least that
   Vec3 axis_base;            // unit, or zero
   double damping_Ns_m = 0;
   double predict_s = 0;  // the tip is predicted this far ahead
+  double ahead_s = 0;    // from there to when the current acts
+  double coil_lag_s = 0;
 };
 
 // From a sample's instant to the middle of the time for which the resulting current is held; not a number if the delay
@@ -40,7 +42,7 @@ double BestPrediction_s(const Config& config, const Input& input) noexcept;
 StiffnessBound UpdateStiffnessBound(const Config& config, const Input& input, bool touching,
                                     StiffnessBoundState& state) noexcept;
 
-// What UpdateStiffnessBound returned last.
+// What UpdateStiffnessBound returned last, without the times.
 StiffnessBound StiffnessBoundOf(const Vec3& axis_base, const StiffnessBoundState& state) noexcept;
 
 // Springs K_i along unit n_i add up to sum K_i n_i n_i', whose largest eigenvalue is at most
