@@ -107,6 +107,10 @@ base::Result<BenchRows> BenchHands(const BenchOptions& options);
 // Friction against Coulomb's law: study, body, trials, breakaway and sliding error; side tables: stick-slip, drift.
 base::Result<BenchRows> BenchFriction(const BenchOptions& options);
 
+// Gratings stroked on the twin in a room: wavelength_mm, speed_mm_s (mean; the peak is 1.9 times that), friction,
+// in_band, correlation, rest_mN, plain_rest_mN (without a grating), delivered_mN: tests/support/touch/stroked_plate.h.
+base::Result<BenchRows> BenchTexture(const BenchOptions& options);
+
 // Bad input into Tick, basins, singular poses, long runs: what must never happen, counted.
 base::Result<BenchRows> BenchStress(const BenchOptions& options);
 

@@ -42,6 +42,7 @@ constexpr Bench kBenches[] = {
     {"stability", "walls that are stable for a simulated hand, and the stiffness the renderer allows", BenchStability},
     {"hands", "walls that ordinary hands keep: rhythmic presses, tremor, ridges, taps (a simulation)", BenchHands},
     {"friction", "cone, stick-slip and drift against Coulomb's law", BenchFriction},
+    {"texture", "gratings that a hand strokes: the delivered ripple by place (a simulation)", BenchTexture},
     {"race", "commanded and rendered hits of the car; walls and cost of the race", BenchRace},
     {"deformable", "soft bodies against a neo-Hookean reference, and their cost", BenchDeformable},
     {"sculpt", "cost of strokes and of publishing them, undo, and the force under the tip", BenchSculpt},
