@@ -53,6 +53,7 @@ struct Sculpt {
   double grab_force_N = 0.5;    // press at least this ...
   double dwell_s = 0.2;         // ... for this long to take hold
   double resistance_N_m = 200;  // force per displacement while it is formed
+  double rest_s = 0.5;          // let go of by a tip that rests so long without force; 0: never
 };
 
 struct Material {
@@ -205,6 +206,9 @@ inline constexpr auto kMaterialFields = std::to_array<MaterialField>({
     {{"sculptable.resistance", "N/m", 0, 2000, AccessMember<&Material::sculpt, &Sculpt::resistance_N_m>(),
       "force per displacement while it is formed"},
      "resistance"},
+    {{"sculptable.rest", "s", 0, 60, AccessMember<&Material::sculpt, &Sculpt::rest_s>(),
+      "the tip lets go when it rests so long and neither presses nor pulls; 0: never"},
+     "rest"},
 });
 
 // The row of a key. Precondition: there is one; where the key is a constant, the compiler refuses any other.

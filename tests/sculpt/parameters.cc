@@ -154,6 +154,67 @@ TEST(SculptParametersTest, HoldsATipThatMovesSlowly) {
   EXPECT_GT(hand.state().offset_m, 0.003);
 }
 
+// Fine work takes its time: from the press through the point without force to the pull.
+TEST(SculptParametersTest, HoldsATipThatMovesAMillimetreInASecond) {
+  for (const double speed_m_s : {0.001, 0.002, 0.006}) {
+    SculptHand hand(Sphere(40, kRadius_m), {.hardening_N_m = 20}, FiveMillimetres());
+    const double top_m = TopOf(hand.editor());
+    Grab(hand, top_m);
+    Random random(4);
+    const double from_m = hand.tip().z;
+    Vec3 shake;  // .1 mm, alike for 7 ms, as tracked poses have
+    for (double z_m = from_m; z_m < from_m + 0.015; z_m += 1e-3 * speed_m_s) {
+      shake = 0.87 * shake + random.InBox(9e-5);
+      hand.MoveTo({shake.x, shake.y, z_m + shake.z});
+      ASSERT_EQ(hand.state().phase, SculptPhase::kHeld) << speed_m_s << " " << 1e3 * (z_m - from_m);
+    }
+    EXPECT_GT(hand.state().offset_m, 0.010) << speed_m_s;
+    hand.Rest(5000);
+    EXPECT_EQ(hand.state().phase, SculptPhase::kHeld);
+    EXPECT_NEAR(hand.force_N().z, -0.2 - 20 * hand.state().offset_m, 0.03) << speed_m_s;
+  }
+}
+
+TEST(SculptParametersTest, NeverLetsGoOfATipAtRestWhereTheMaterialSaysSo) {
+  SculptHand hand(Sphere(40, kRadius_m), {.rest_s = 0}, FiveMillimetres());
+  const double top_m = TopOf(hand.editor());
+  Grab(hand, top_m);
+  hand.Go({0, 0, top_m + 0.006}, 0.03);
+  Open(hand);
+  hand.Rest(5000);
+  EXPECT_EQ(hand.state().phase, SculptPhase::kHeld);
+  hand.Go({0, 0, top_m + 0.05}, 0.5);  // pulled away
+  hand.Rest(100);
+  EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
+  EXPECT_EQ(hand.editor().undo_steps(), 1U);
+}
+
+// Below its yield force clay is a spring, pushed or pulled; who lets go after that has changed nothing.
+TEST(SculptParametersTest, ProbingIsElasticBothWaysAndChangesNothing) {
+  const SculptParameters parameters;
+  SculptHand hand(Sphere(40, kRadius_m), parameters, FiveMillimetres());
+  const double top_m = TopOf(hand.editor());
+  const std::uint64_t before = hand.editor().mesh().Hash();
+  Grab(hand, top_m);
+  ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
+  const double gripped_m = hand.tip().z, k_N_m = SculptHand::kStiffness_N_m;
+  const double in_m = 0.9 * parameters.yield_N / k_N_m;
+  const double out_m = (hand.state().start_force_N + 0.9 * parameters.yield_N) / k_N_m;
+  for (int times = 0; times < 3; ++times) {
+    hand.Go({0, 0, gripped_m - in_m}, 0.005);
+    EXPECT_NEAR(hand.force_N().z, hand.state().start_force_N + k_N_m * in_m, 1e-3);
+    hand.Go({0, 0, gripped_m + out_m}, 0.005);
+    EXPECT_NEAR(hand.force_N().z, -0.9 * parameters.yield_N, 1e-3);
+  }
+  EXPECT_EQ(hand.state().offset_m, 0);
+  Open(hand);
+  EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
+  hand.Go({0, 0, top_m + 0.01}, 0.02);
+  hand.Rest(20);
+  EXPECT_EQ(hand.editor().undo_steps(), 0U);
+  EXPECT_EQ(hand.editor().mesh().Hash(), before);
+}
+
 // Press, wait, draw back: the surface comes along, however long the wait and however far the press went in.
 TEST(SculptParametersTest, HoldsWhileItIsPressed) {
   SculptHand hand(Sphere(40, kRadius_m), {}, FiveMillimetres());

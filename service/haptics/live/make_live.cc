@@ -133,6 +133,7 @@ sculpt::SculptParameters SculptParametersOf(const Material& material) {
   parameters.stiffness_N_m = material.stiffness_N_m;
   parameters.tear_m = kTear_m;
   parameters.grid_step_m = from.snap_m;
+  parameters.rest_s = from.rest_s;
   return parameters;
 }
 

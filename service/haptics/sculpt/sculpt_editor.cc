@@ -84,6 +84,7 @@ base::Status SculptEditor::Begin(const SurfacePoint& at, const Brush& brush) {
   region_ = {};
   report_ = {};
   offset_m_ = remeshed_offset_m_ = 0;
+  moved_ = false;
   const double target_m = std::max(kLeastEdge_m, std::min(options_.detail_m, brush.radius_m / kEdgesPerRadius));
   mesh_->BeginStep();
   Vec3 normal;
@@ -104,6 +105,7 @@ base::Status SculptEditor::Begin(const SurfacePoint& at, const Brush& brush) {
 }
 
 void SculptEditor::Step(double offset_m) {
+  moved_ = true;
   report_.held_back += DisplaceVertices(*mesh_, region_, patch_, offset_m - offset_m_);
   offset_m_ = offset_m;
   if (std::abs(offset_m_ - remeshed_offset_m_) < kRemeshShare * edges_.short_m) return;
@@ -123,6 +125,10 @@ void SculptEditor::MoveTo(double offset_m) {
 void SculptEditor::End() {
   if (!in_stroke()) return;
   if (options_.grid_step_m > 0) MoveTo(options_.grid_step_m * std::round(offset_m_ / options_.grid_step_m));
+  if (!moved_) {
+    mesh_->Apply(mesh_->EndStep());  // takes the refinement back
+    return;
+  }
   report_.vertices = region_.size();
   report_.triangles = patch_.size();
   CloseStep();

@@ -81,7 +81,7 @@ class SculptEditor {
   // Is called with every edit from now on, on the editor's thread.
   void SetLog(EditLog log) { log_ = std::move(log); }
   // What the open stroke has changed so far; empty: none is open.
-  UndoStep OpenStep() const { return in_stroke() ? mesh_->StepSoFar() : UndoStep(); }
+  UndoStep OpenStep() const { return in_stroke() && moved_ ? mesh_->StepSoFar() : UndoStep(); }
   // Before the first edit. The history may come from a file: where it does not lead to a surface that every reader can
   // use, it fails with a reason and changes nothing. Undo and Redo refuse steps that would.
   base::Status Restore(EditHistory history);
@@ -114,6 +114,7 @@ class SculptEditor {
   Patch patch_;  // of region_
   EdgeRange edges_;
   double offset_m_ = 0;           // applied in this stroke
+  bool moved_ = false;            // something was
   double remeshed_offset_m_ = 0;  // at the last Remesh
   StrokeReport report_;
   std::vector<UndoStep> steps_;  // the first done_ are applied

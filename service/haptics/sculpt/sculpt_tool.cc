@@ -4,12 +4,11 @@ namespace omni::haptics::sculpt {
 namespace {
 
 constexpr double kLetGoShare = 0.8;    // of the grab force: hysteresis while pressing
-constexpr double kRestShare = 0.5;     // of the grab force: under it the tip is neither pressed nor pulled ...
-constexpr double kRest_N = 0.2;        // ... nor under this, which the pen's own weight may be
+constexpr double kArmShare = 0.5;      // of the grab force: a press below is none
+constexpr double kRest_N = 0.12;       // below, the tip is neither pressed nor pulled: several times its noise
 constexpr double kFastest_m_s = 0.25;  // that the surface follows
-constexpr double kRest_m = 7e-4;       // a tip whose smoothed height stays within rests
+constexpr double kRest_m = 1.5e-4;     // a tip whose smoothed height stays within rests: others move, if slowly
 constexpr double kSmooth_s = 0.05;     // a height that trembles or is noisy
-constexpr double kMoved_m = 3e-4;      // less is no stroke yet: resting does not end it
 constexpr double kFarthestTip_m = 100;
 
 void Take(const SculptInput& input, SculptToolState& state) noexcept {
@@ -30,7 +29,7 @@ void Take(const SculptInput& input, SculptToolState& state) noexcept {
 
 void StepFree(const SculptParameters& parameters, const SculptInput& input, SculptToolState& state) noexcept {
   const double press_N = input.touch.touching ? input.touch.normal_force_N : 0;
-  if (press_N < kRestShare * parameters.grab_force_N) state.armed = true;
+  if (press_N < kArmShare * parameters.grab_force_N) state.armed = true;
   if (!state.armed || state.end_waits || !(press_N >= parameters.grab_force_N)) return;
   state.phase = SculptPhase::kPressed;
   state.timer_s = 0;
@@ -86,14 +85,16 @@ void StepHeld(const SculptParameters& parameters, const SculptInput& input, Scul
   const double side_N = std::min(side_k * side_m, parameters.side_force_max_N);
   state.held_force_N = std::clamp(normal_N, -parameters.hold_force_max_N, parameters.hold_force_max_N) * state.normal -
                        side_N * Normalized(sideways);
-  const bool strained = std::abs(normal_N) >= std::max(kRest_N, kRestShare * parameters.grab_force_N);
   state.height_m += input.dt_s / (input.dt_s + kSmooth_s) * (height_m - state.height_m);
+  const double smooth_N = state.start_force_N - k * (state.height_m - state.offset_m);
+  const bool strained = std::abs(smooth_N) >= kRest_N;
   const bool stays = std::abs(state.height_m - state.rest_height_m) < kRest_m;
-  const bool rests = stays && !strained && std::abs(state.offset_m) > kMoved_m;
+  const bool rests = stays && !strained;
   state.rested_s = rests ? state.rested_s + input.dt_s : 0;
   if (!rests) state.rest_height_m = state.height_m;
   const bool torn = IsTorn(parameters, height_m, k, state) || !(side_m <= input.brush.radius_m + parameters.tear_m);
-  if (torn || state.rested_s >= parameters.rest_s) state.phase = SculptPhase::kSettling;
+  const bool let_go = parameters.rest_s > 0 && state.rested_s >= parameters.rest_s;
+  if (torn || let_go) state.phase = SculptPhase::kSettling;
 }
 
 void StepSettling(const SculptParameters& parameters, double dt_s, SculptToolState& state) noexcept {

@@ -18,7 +18,7 @@ struct SculptParameters {
   double hold_force_max_N = 1.5;  // (0, 2]
   double side_force_max_N = 0.4;  // across the direction of the pull
   double tear_m = 0.006;          // stretched this much beyond where it yields, the hold breaks
-  double rest_s = 0.5;            // resting this long, neither pressed nor pulled: released
+  double rest_s = 0.5;            // >= 0; resting this long, neither pressed nor pulled: released; 0: never
   double grid_step_m = 0;         // offsets settle on multiples of it; 0: no grid
   double offset_max_m = 0.05;     // (0, 1], either way
 };
