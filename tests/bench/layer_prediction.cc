@@ -205,7 +205,7 @@ int Run(std::uint64_t seed, bool quick) {
   Errors all;
   std::vector<ordered_json> side;
   for (const Motion& motion : motions) {
-    const std::string record = (folder.path() / "truth.csv").string();
+    const std::string record = (folder.path() / (std::to_string(&motion - motions.data()) + ".csv")).string();
     const auto said = Play(motion, seed, record);
     const auto table = tools::CsvTable::Read(record);
     if (!said.ok() || !table.ok()) {

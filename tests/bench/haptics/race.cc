@@ -1,5 +1,6 @@
-// omni-bench race: the shipped track, a pen held still at the joystick's centre, and a car that hits the wall beside it
-// at 20 speeds. felt_N: the magnetic force on the pen, from the twin's own record of the truth.
+// omni-bench race: the shipped track and car, a pen held still at the joystick's centre, and hits of the wall beside it
+// at 20 speeds up to the car's greatest. felt_N: the magnetic force on the pen, from the twin's own record of the
+// truth.
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -26,15 +27,14 @@ namespace omni::bench {
 namespace {
 
 constexpr int kSpeeds = 20;
-constexpr double kSlowest_m_s = 0.05, kFastest_m_s = 2;
-constexpr double kHitSpeed_m_s = 0.5;  // of the tag, for a car at these speeds; the shipped one is for 0.06 m/s
-constexpr int kHitTick = 1000;         // the gate is open, the hand has come to rest
+constexpr double kSlowest = 0.05;  // of the car's greatest speed
+constexpr int kHitTick = 1000;     // the gate is open, the hand has come to rest
 constexpr int kHitRunTicks = 1100;
 constexpr int kBaselineTicks = 100;  // before the hit: their mean is subtracted
 constexpr double kBesideWall_m = 1e-5;
 
-double SpeedOf(int k) {
-  return kSlowest_m_s * std::pow(kFastest_m_s / kSlowest_m_s, static_cast<double>(k) / (kSpeeds - 1));
+double SpeedOf(double fastest_m_s, int k) {
+  return fastest_m_s * std::pow(kSlowest, 1 - static_cast<double>(k) / (kSpeeds - 1));
 }
 
 struct HitRun {
@@ -45,12 +45,11 @@ struct HitRun {
   std::uint32_t hits = 0;
 };
 
-base::Result<haptics::Scene> TrackForTheseSpeeds() {
+base::Result<haptics::Scene> ShippedTrack() {
   scene::LoadReport load;
   auto input = scene::LoadSceneFile(tools::ShippedScene("racetrack"), {}, load);
   if (!input.ok()) return base::Error{input.error()};
   if (!input->vehicle || !input->joystick) return base::Error{"racetrack: has no vehicle or no joystick"};
-  input->vehicle->hit_speed_m_s = kHitSpeed_m_s;
   haptics::BuildReport report;
   return haptics::BuildScene(*input, report);
 }
@@ -87,6 +86,7 @@ base::Result<HitRun> RunHit(const haptics::Scene& scene, double speed_m_s, std::
   sim::HandScript still;
   still.name = "still";
   still.waypoints.push_back({.tip_base_m = scene.header().joystick.centre_base_m});
+  std::filesystem::remove(recording);
   auto twin = sim::MakeVirtualTwin(device, {.seed = seed, .script = still, .recording_path = recording},
                                    (kHitRunTicks + 50) * base::kTickPeriod_s);
   const auto state = std::make_unique<loop::LoopState>();
@@ -120,21 +120,22 @@ base::Result<HitRun> RunHit(const haptics::Scene& scene, double speed_m_s, std::
 
 base::Result<BenchRows> BenchRace(const BenchOptions& options) {
   loop::FlushDenormals();
-  auto scene = TrackForTheseSpeeds();
+  auto scene = ShippedTrack();
   if (!scene.ok()) return base::Error{scene.error()};
   const WorkFolder scratch;
   if (scratch.path().empty()) return base::Error{"no folder for the twin's recordings can be made; check $TMPDIR"};
   BenchRows rows;
+  const double fastest_m_s = scene->header().vehicle.speed_max_m_s;
   std::vector<std::uint64_t> seeds = ThreeSeeds(options.seed);
   if (options.quick) seeds.resize(1);
   for (const std::uint64_t seed : seeds) {
     HitRun last;
     for (int k = 0; k < kSpeeds; ++k) {
-      const auto run = RunHit(*scene, SpeedOf(k), seed, (scratch.path() / "truth.csv").string());
+      const auto run = RunHit(*scene, SpeedOf(fastest_m_s, k), seed, (scratch.path() / "truth.csv").string());
       if (!run.ok()) return base::Error{run.error()};
       if (run->hits != 1) return base::Error{"the car hit " + std::to_string(run->hits) + " times in place of once"};
       rows.push_back({{"seed", seed},
-                      {"speed_m_s", SpeedOf(k)},
+                      {"speed_m_s", SpeedOf(fastest_m_s, k)},
                       {"pulse_N", run->pulse_N},
                       {"commanded_peak_N", run->commanded_N},
                       {"felt_peak_N", run->felt_N},

@@ -119,7 +119,7 @@ base::Result<BenchRows> BenchStress(const BenchOptions& options);
 // bytes, correctness by path, times by path, ratios.
 base::Result<BenchRows> BenchCollision(const BenchOptions& options);
 
-// The race: commanded and rendered force per seed and impact speed; side tables: walls, cost.
+// The race: commanded and rendered force per seed and impact speed of the shipped car; side tables: walls, cost.
 base::Result<BenchRows> BenchRace(const BenchOptions& options);
 
 // Soft bodies against a neo-Hookean reference: method, tets, contact_nodes, us_median, us_p99, error_pct, reference.
