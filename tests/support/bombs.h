@@ -79,7 +79,7 @@ inline std::string CutBuffer(std::size_t n) {
 
 inline std::string Draco(std::size_t n) {
   return OneNode(
-      R"("extensionsRequired":[)" + Filled("\"\"", n / 2) + "]," + kTriangle +
+      R"("extensionsRequired":[)" + Filled("\"KHR_xmp\"", n / 2) + "]," + kTriangle +
       Mesh(Filled(R"({"attributes":{"POSITION":0},"extensions":{"KHR_draco_mesh_compression":{}}})", n / 2)));
 }
 

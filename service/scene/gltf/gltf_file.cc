@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
+#include <string_view>
+#include <system_error>
 
 #include "service/scene/gltf/file_bytes.h"
 #include "service/scene/gltf/json_reading.h"
@@ -17,6 +21,87 @@ constexpr std::uint32_t kMagic = 0x46546C67;     // "glTF"
 constexpr std::uint32_t kBinChunk = 0x004E4942;  // "BIN\0"
 
 constexpr std::size_t kMaxFilesBeside = 100;  // open at a time, of the thousand that a process may have
+
+// Extensions that may be required: read here, or without influence on where surfaces are.
+constexpr std::string_view kKnownExtensions[] = {
+    "ADOBE_materials_thin_transparency",
+    "CESIUM_primitive_outline",
+    "EXT_instance_features",
+    "EXT_lights_ies",
+    "EXT_lights_image_based",
+    "EXT_mesh_features",
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_structural_metadata",
+    "EXT_texture_avif",
+    "EXT_texture_webp",
+    "KHR_animation_pointer",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "KHR_node_visibility",
+    "KHR_physics_rigid_bodies",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "MPEG_haptic_material",
+    "MPEG_material_haptic",
+    "MSFT_texture_dds",
+    "OMNI_haptic_material",
+};
+constexpr std::string_view kMaterialExtensions = "KHR_materials_";
+// Others of these concern drawing, whatever they are.
+constexpr std::string_view kDrawingExtensions[] = {"KHR_texture_", "KHR_lights_",    "EXT_texture_",
+                                                   "EXT_lights_",  "EXT_materials_", "MSFT_texture_"};
+
+void CheckRequiredExtensions(const Json& root, const std::string& path, LoadReport& report) {
+  const Json* required = FindArray(root, "", "extensionsRequired");
+  std::string unknown;  // that concern drawing
+  for (std::size_t i = 0; required && i < required->elements().size(); ++i) {
+    const Json& element = required->elements()[i];
+    const std::string pointer = JoinPointer("/extensionsRequired", i);
+    if (!element.is_text()) throw LoadError(pointer, "is " + ValueText(element) + ", must be a string");
+    const std::string_view name = element.text();
+    const auto starts = [name](std::string_view prefix) { return name.starts_with(prefix); };
+    if (starts(kMaterialExtensions) || std::ranges::find(kKnownExtensions, name) != std::end(kKnownExtensions))
+      continue;
+    if (std::ranges::none_of(kDrawingExtensions, starts)) {
+      throw LoadError(pointer, "is " + ValueText(element) +
+                                   ", which cannot be read, and shapes may depend on it; export without this extension "
+                                   "(if it only changes how the model looks, take it out of extensionsRequired)");
+    }
+    if (unknown.empty()) unknown = pointer + ": is " + ValueText(element) + ", which is not known; it concerns drawing";
+  }
+  if (!unknown.empty()) report.warnings.push_back(Printable(path + ": " + unknown));
+}
+
+// minVersion: of what a reader must know.
+void CheckVersion(const Json& root) {
+  const Json* asset = FindObject(root, "", "asset");
+  if (!asset) throw LoadError("/asset", "is missing; this is not a glTF 2.0 document");
+  const std::string version = FindString(*asset, "/asset", "version", "");
+  if (!version.starts_with("2.")) {
+    throw LoadError("/asset/version",
+                    "is \"" + version.substr(0, 20) + "\", only glTF 2.x can be read; export it as 2.0");
+  }
+  const std::string least = FindString(*asset, "/asset", "minVersion", "2.0");
+  int major = 0, minor = 0;
+  const char* const end = least.data() + least.size();
+  const auto [point, error] = std::from_chars(least.data(), end, major);
+  const bool read = error == std::errc() && point != end && *point == '.' &&
+                    std::from_chars(point + 1, end, minor).ptr == end && point + 1 != end;
+  if (!read || major < 0 || minor < 0)
+    throw LoadError("/asset/minVersion", "is \"" + least.substr(0, 20) + "\", must be a version such as 2.0");
+  if (major > 2 || (major == 2 && minor > 0)) {
+    throw LoadError("/asset/minVersion", "is \"" + least.substr(0, 20) +
+                                             "\": it needs a reader of that version, and glTF 2.0 is what can be read; "
+                                             "export it as 2.0");
+  }
+}
 
 std::uint32_t LittleEndian(const unsigned char* bytes) {
   return static_cast<std::uint32_t>(bytes[0]) | static_cast<std::uint32_t>(bytes[1]) << 8 |
@@ -40,13 +125,8 @@ void GltfFile::Open(const std::string& path, const LoadOptions& options, LoadRep
   file_.AddTo(&digest_);
   report.file_bytes = file_.size();
   document_ = ParseJson(ReadJsonText(report));
-  const Json* asset = FindObject(root(), "", "asset");
-  if (!asset) throw LoadError("/asset", "is missing; this is not a glTF 2.0 document");
-  const std::string version = FindString(*asset, "/asset", "version", "");
-  if (!version.starts_with("2.")) {
-    throw LoadError("/asset/version",
-                    "is \"" + version.substr(0, 20) + "\", only glTF 2.x can be read; export it as 2.0");
-  }
+  CheckVersion(root());
+  CheckRequiredExtensions(root(), path_, report);
 }
 
 std::string GltfFile::ReadJsonText(LoadReport& report) {
