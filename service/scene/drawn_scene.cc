@@ -16,6 +16,7 @@
 #include "service/scene/gltf/gltf_file.h"
 #include "service/scene/gltf/instances.h"
 #include "service/scene/gltf/json_reading.h"
+#include "service/scene/gltf/mesh_requests.h"
 #include "service/scene/gltf/node_tree.h"
 
 namespace omni::scene {
@@ -56,8 +57,8 @@ class DrawnReader {
       if (node.mesh) shown.push_back(&node);
     }
     if (shown.empty()) throw LoadError(Place(), "has no node with a mesh: there is nothing to draw; check the export");
-    Read(shown);
-    for (const NodeVisit* node : shown) Draw(*node);
+    const std::vector<std::size_t> requests = Read(shown, nodes);
+    for (std::size_t i = 0; i < shown.size(); ++i) Draw(*shown[i], parts_[requests[i]]);
     if (scene_.parts.empty()) {
       throw LoadError("", "has no triangles to draw" + (skipped_.empty() ? "" : ": " + skipped_));
     }
@@ -82,21 +83,24 @@ class DrawnReader {
     scene_.notes.push_back(path_ + ": " + pointer + ": " + what);
   }
 
-  void Read(const std::vector<const NodeVisit*>& nodes) {
-    CheckTriangleCount(file_.root(), nodes);
-    std::vector<MeshRequest> meshes;
+  // The place in parts_ of each of `shown`.
+  std::vector<std::size_t> Read(const std::vector<const NodeVisit*>& shown, const std::vector<NodeVisit>& nodes) {
+    CheckTriangleCount(file_.root(), shown);
+    MeshRequests requests(file_.root(), nodes);
+    std::vector<std::size_t> numbers;
     std::vector<std::uint32_t> instanced;
-    for (const NodeVisit* node : nodes) {
-      const bool fresh = by_mesh_.try_emplace(*node->mesh).second;
-      if (fresh) meshes.push_back({.mesh = *node->mesh, .uv_sets = {}, .paint = true});
+    for (const NodeVisit* node : shown) {
+      numbers.push_back(requests.Add(*node));
+      requests.meshes()[numbers.back()].paint = true;
       if (IsInstanced(file_.root(), node->node)) instanced.push_back(node->node);
     }
-    Subset subset = BuildSubset(file_, meshes, instanced);
+    parts_.resize(requests.meshes().size());
+    Subset subset = BuildSubset(file_, requests.meshes(), instanced, requests.skins());
     DecodedSubset decoded = DecodeSubset(subset);
     std::size_t next = 0;
     for (SubsetPrimitive& primitive : subset.primitives) {
       if (primitive.skipped.empty()) {
-        by_mesh_[primitive.mesh].push_back({primitive, std::move(decoded.primitives[next++])});
+        parts_[primitive.request].push_back({primitive, std::move(decoded.primitives[next++])});
       } else {
         Note(primitive.pointer, primitive.skipped);
         if (skipped_.empty()) skipped_ = primitive.pointer + " " + primitive.skipped;
@@ -105,19 +109,19 @@ class DrawnReader {
     for (std::size_t i = 0; i < subset.instances.size(); ++i) {
       instances_[subset.instances[i].node] = std::move(decoded.instances[i]);
     }
+    return numbers;
   }
 
-  void Draw(const NodeVisit& node) {
+  void Draw(const NodeVisit& node, const std::vector<MeshPart>& parts) {
     const auto instances = instances_.find(node.node);
-    const std::vector<glm::dmat4> places =
-        instances == instances_.end() ? std::vector{node.world} : PlacesOf(node, instances->second);
-    for (const MeshPart& part : by_mesh_[*node.mesh]) {
+    for (const MeshPart& part : parts) {
       if (part.decoded.triangles.empty()) continue;
       const DrawnPaint paint = PaintOf(part.from);
+      const glm::dmat4 placed = part.decoded.placed ? glm::dmat4(1.0) : node.world;
+      const std::vector<glm::dmat4> places =
+          instances == instances_.end() ? std::vector{placed} : PlacesOf(node, placed, instances->second);
       for (const glm::dmat4& place : places) Draw(node, place, part.decoded, paint);
     }
-    if (FindMember(ElementOf(file_.root(), "nodes", node.node), "skin"))
-      Note(JoinPointer(node.pointer, "skin"), "is ignored: drawn in its bind pose");
   }
 
   DrawnPaint PaintOf(const SubsetPrimitive& primitive) {
@@ -154,7 +158,7 @@ class DrawnReader {
       part.colours.push_back(AsVec(paint.colour * glm::dvec3(within(vertex.x), within(vertex.y), within(vertex.z))));
     }
     part.triangles = decoded.triangles;
-    const bool mirrored = glm::determinant(glm::dmat3(place)) < 0;
+    const bool mirrored = (glm::determinant(glm::dmat3(place)) < 0) != decoded.mirrored;
     if (mirrored) {
       for (auto& t : part.triangles) std::swap(t[1], t[2]);
     }
@@ -209,7 +213,7 @@ class DrawnReader {
   const std::string path_;
   LoadReport report_;
   GltfFile file_;
-  std::map<std::uint32_t, std::vector<MeshPart>> by_mesh_;
+  std::vector<std::vector<MeshPart>> parts_;                  // by request
   std::map<std::uint32_t, std::vector<Instance>> instances_;  // by node
   std::set<std::string> textured_;                            // materials with an image, by pointer
   std::string skipped_;                                       // the first primitive that is not drawn, and why

@@ -10,6 +10,8 @@
 #include <map>
 #include <new>
 #include <optional>
+#include <set>
+#include <string_view>
 #include <utility>
 
 #include "service/base/free_memory.h"
@@ -19,6 +21,7 @@
 #include "service/scene/gltf/gltf_subset.h"
 #include "service/scene/gltf/instances.h"
 #include "service/scene/gltf/json_reading.h"
+#include "service/scene/gltf/mesh_requests.h"
 #include "service/scene/gltf/node_tree.h"
 #include "service/scene/join_objects.h"
 #include "service/scene/reach.h"
@@ -72,8 +75,9 @@ class SceneReader::Loader {
     counts.image_bytes = images.stored_bytes;
     counts.texels = images.texels;
     counts.largest_image_samples = images.largest_samples;
-    for (const MeshRequest& request : meshes_) {
+    for (const MeshRequest& request : requests_->meshes()) {
       std::size_t i = 0;
+      counts.mesh_bytes += requests_->ShapeBytes(request);
       for (const PrimitiveSize& size : SizesOf(file_.root(), request.mesh)) {
         counts.mesh_triangles += size.triangles;
         counts.mesh_vertices += size.vertices;
@@ -89,7 +93,7 @@ class SceneReader::Loader {
 
   bool ReadBytes() {
     ReadJson();
-    if (!report_.skipped) subset_ = BuildSubset(file_, meshes_, instanced_);
+    if (!report_.skipped) subset_ = BuildSubset(file_, requests_->meshes(), instanced_, requests_->skins());
     report_.bytes_read = file_.bytes_read();
     return !report_.skipped;
   }
@@ -98,7 +102,7 @@ class SceneReader::Loader {
 
   haptics::SceneInput MakeInput() {
     DecodeMeshes();
-    for (const NodeVisit* node : touched_) AddObject(*node);
+    for (std::size_t i = 0; i < touched_.size(); ++i) AddObject(*touched_[i], parts_[request_of_[i]]);
     if (input_.objects.empty() && !input_.joystick) {
       throw LoadError(
           "", "has nothing to touch: no node with triangles; check the export, or the roles in its haptic tags");
@@ -126,6 +130,11 @@ class SceneReader::Loader {
   }
 
  private:
+  struct MeshPart {
+    SubsetPrimitive* primitive;  // the first node that uses it takes its bytes
+    DecodedPrimitive decoded;
+  };
+
   // Nodes whose triangles are wanted. Joystick and vehicle need no triangles: they are read here.
   std::vector<const NodeVisit*> Choose() {
     std::vector<bool> tagged;
@@ -253,11 +262,10 @@ class SceneReader::Loader {
 
   void RequestMeshes() {
     CheckTriangleCount(file_.root(), touched_);  // so that a file with too much is refused at once
-    std::map<std::uint32_t, std::size_t> place;  // of a mesh in `meshes_`
+    requests_.emplace(file_.root(), nodes_);
     for (const NodeVisit* node : touched_) {
-      const auto [found, fresh] = place.emplace(*node->mesh, meshes_.size());
-      if (fresh) meshes_.push_back({.mesh = *node->mesh, .uv_sets = {}});
-      RequestTextures(*node, meshes_[found->second]);
+      request_of_.push_back(requests_->Add(*node));
+      RequestTextures(*node, requests_->meshes()[request_of_.back()]);
       if (IsInstanced(file_.root(), node->node)) instanced_.push_back(node->node);
     }
   }
@@ -282,10 +290,12 @@ class SceneReader::Loader {
     base::FreeMemory(subset_.bytes);
     base::FreeMemory(subset_.accessors);
     std::size_t next = 0;
+    parts_.resize(requests_->meshes().size());
+    std::set<std::string> skipped;  // a mesh in several shapes is said once
     for (SubsetPrimitive& primitive : subset_.primitives) {
       if (primitive.skipped.empty()) {
-        by_mesh_[primitive.mesh].push_back({&primitive, std::move(decoded.primitives[next++])});
-      } else {
+        parts_[primitive.request].push_back({&primitive, std::move(decoded.primitives[next++])});
+      } else if (skipped.insert(primitive.pointer).second) {
         report_.rows.push_back({primitive.pointer, "", false, primitive.skipped, 0});
       }
     }
@@ -294,16 +304,15 @@ class SceneReader::Loader {
     }
   }
 
-  void AddObject(const NodeVisit& node) {
+  void AddObject(const NodeVisit& node, std::vector<MeshPart>& parts) {
     haptics::InputObject object;
     object.name = node.name;
     object.source = node.pointer;
     object.kinematic = options_.all_kinematic;
     std::uint64_t bytes = 0;
     const auto instances = instances_.find(node.node);
-    const std::vector<glm::dmat4> places =
-        instances == instances_.end() ? std::vector{node.world} : PlacesOf(node, instances->second);
-    for (auto& [primitive, decoded] : by_mesh_[*node.mesh]) {
+    std::size_t copies = 1;
+    for (auto& [primitive, decoded] : parts) {
       bytes += std::exchange(primitive->bytes, 0);
       if (decoded.triangles.empty()) continue;
       const HapticTag tag = binding_->TagOf(node, primitive->primitive);
@@ -312,14 +321,19 @@ class SceneReader::Loader {
       object.kinematic = object.kinematic || tag.kinematic.value_or(false);
       const std::uint16_t material = binding_->MaterialIndex(MaterialFor(tag, node, *primitive), primitive->pointer);
       report_.material_uses.push_back({*node.mesh, primitive->primitive, material});
+      const glm::dmat4 placed = decoded.placed ? glm::dmat4(1.0) : node.world;
+      const std::vector<glm::dmat4> places =
+          instances == instances_.end() ? std::vector{placed} : PlacesOf(node, placed, instances->second);
+      copies = places.size();
       for (const glm::dmat4& place : places) Append(node, place, decoded, material, object);
+      if (node.skin && !decoded.placed)
+        warnings_.Add(primitive->pointer, "has no JOINTS_0 and WEIGHTS_0; the node places it, not its joints");
     }
-    if (FindMember(ElementOf(file_.root(), "nodes", node.node), "skin"))
-      warnings_.Add(JoinPointer(node.pointer, "skin"), "is ignored: the mesh is touched in its bind pose");
     if (object.triangles.empty()) return Explain(node, false, "no triangles");
     std::string why = any_tag_ ? (object.car_wall ? "role wall: touched, and the vehicle hits it" : "haptic tag")
                                : "default material: the file has no haptic tag";
-    if (places.size() > 1) why += ", " + std::to_string(places.size()) + " instances";
+    if (copies > 1) why += ", " + std::to_string(copies) + " instances";
+    if (node.skin) why += ", placed by its joints";
     if (object.kinematic) why += ", kinematic";
     Explain(node, true, why + ", " + std::to_string(object.triangles.size()) + " triangles", bytes);
     input_.objects.push_back(std::move(object));
@@ -352,7 +366,7 @@ class SceneReader::Loader {
 
   void Append(const NodeVisit& node, const glm::dmat4& place, const DecodedPrimitive& decoded, std::uint16_t material,
               haptics::InputObject& object) {
-    const bool mirrored = glm::determinant(glm::dmat3(place)) < 0;  // turns triangles inside out
+    const bool mirrored = (glm::determinant(glm::dmat3(place)) < 0) != decoded.mirrored;  // triangles are inside out
     haptics::InputObject part;
     part.vertices_base_m.reserve(decoded.positions.size());
     for (const base::Vec3& p : decoded.positions) {
@@ -382,22 +396,21 @@ class SceneReader::Loader {
   void ExplainUnread() {
     for (const char* key : {"images", "textures", "animations", "skins", "cameras"}) {
       const std::uint64_t count = CountOf(file_.root(), key);
-      const std::uint64_t used = std::string(key) == "images" ? report_.images_decoded : 0;
+      std::uint64_t used = std::string_view(key) == "images" ? report_.images_decoded : 0;
+      if (std::string_view(key) == "skins" && requests_) used = requests_->skins().size();
       if (count > used) {
         report_.rows.push_back(
             {JoinPointer("", key), "", false, std::to_string(count - used) + " not read: not needed for haptics", 0});
       }
       if (used > 0) {
-        report_.rows.push_back(
-            {JoinPointer("", key), "", true, std::to_string(used) + " decoded: a haptic texture needs them", 0});
+        const bool images = std::string_view(key) == "images";
+        report_.rows.push_back({JoinPointer("", key), "", true,
+                                std::to_string(used) + (images ? " decoded: a haptic texture needs them"
+                                                               : " read: joints place what is touched"),
+                                0});
       }
     }
   }
-
-  struct MeshPart {
-    SubsetPrimitive* primitive;  // the first node that uses it takes its bytes
-    DecodedPrimitive decoded;
-  };
 
   const std::string path_;
   const LoadOptions options_;
@@ -410,11 +423,12 @@ class SceneReader::Loader {
   std::optional<Binding> binding_;
   std::vector<const NodeVisit*> touched_;  // of nodes_
   haptics::SceneInput input_;
-  std::vector<MeshRequest> meshes_;
+  std::optional<MeshRequests> requests_;
+  std::vector<std::size_t> request_of_;   // of requests_, for each of touched_
   std::vector<std::uint32_t> instanced_;  // nodes
   Subset subset_;
   TextureReader textures_{file_, warnings_};
-  std::map<std::uint32_t, std::vector<MeshPart>> by_mesh_;
+  std::vector<std::vector<MeshPart>> parts_;                  // by request
   std::map<std::uint32_t, std::vector<Instance>> instances_;  // by node
   std::vector<haptics::Checkpoint> checkpoints_;
   std::vector<ObjectSource> sources_;  // of input_.objects

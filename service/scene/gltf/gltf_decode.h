@@ -14,7 +14,11 @@
 namespace omni::scene {
 
 struct DecodedPrimitive {
-  std::vector<base::Vec3> positions;  // glTF frame of the mesh; only vertices that a triangle uses
+  std::vector<base::Vec3> positions;  // glTF frame of the mesh, morphed; only vertices that a triangle uses
+  bool placed = false;                // its joints have placed it: positions are in the frame of the scene
+  bool mirrored = false;              // by them: triangles are inside out
+  // Of stored coordinates that are floats: the largest, and its distance to the next float. As placed.
+  double float_reach = 0, float_step = 0;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::array<std::vector<haptics::CornerUv>, haptics::kMaxUvSets> uv;  // per triangle, where the subset has them
   std::vector<base::Vec3> normals, colours;  // per vertex, as stored, where the subset has them; else empty
@@ -32,7 +36,7 @@ struct DecodedSubset {
   std::vector<std::vector<Instance>> instances;  // as the subset's
 };
 
-// Throws LoadError: an index beyond the vertices, a vertex or transform that is not finite.
+// Throws LoadError: an index beyond the vertices, a joint beyond its skin's, a vertex or transform that is not finite.
 DecodedSubset DecodeSubset(const Subset& subset, const base::WorkWatch& watch = {});
 
 }  // namespace omni::scene

@@ -24,14 +24,18 @@ constexpr UseRow kUses[] = {
     {kNormal, "VEC3", 3, "5126 (or 5120 or 5122, quantised) for normals"},
     {kColour3, "VEC3", 3, "5126, 5121 or 5123 for colours"},
     {kColour4, "VEC4", 4, "5126, 5121 or 5123 for colours"},
+    {kJoints, "VEC4", 4, "5121 or 5123 for joints"},
+    {kWeights, "VEC4", 4, "5126, 5121 or 5123 for weights"},
+    {kMatrix, "MAT4", 16, "5126 for matrices"},
 };
 
-constexpr ComponentRow kComponents[] = {{5120, 1, kPosition | kUv | kRotation | kNormal},
-                                        {5121, 1, kIndex | kPosition | kUv | kColour},
-                                        {5122, 2, kPosition | kUv | kRotation | kNormal},
-                                        {5123, 2, kIndex | kPosition | kUv | kColour},
-                                        {5125, 4, kIndex},
-                                        {5126, 4, kPosition | kUv | kVector | kRotation | kNormal | kColour}};
+constexpr ComponentRow kComponents[] = {
+    {5120, 1, kPosition | kUv | kRotation | kNormal},
+    {5121, 1, kIndex | kPosition | kUv | kColour | kJoints | kWeights},
+    {5122, 2, kPosition | kUv | kRotation | kNormal},
+    {5123, 2, kIndex | kPosition | kUv | kColour | kJoints | kWeights},
+    {5125, 4, kIndex},
+    {5126, 4, kPosition | kUv | kVector | kRotation | kNormal | kColour | kWeights | kMatrix}};
 
 }  // namespace
 
@@ -62,6 +66,7 @@ constexpr std::uint64_t kMaxPackedBytes = 1ull << 30;
 // Accessors may share bytes, as those of interleaved vertices do: each attribute reaches over all of them. A file whose
 // accessors share more than a handful of attributes can would be far larger in memory than on disk.
 constexpr std::uint64_t kMaxShares = 6;
+constexpr std::size_t kMaxInfluenceSets = 8;    // JOINTS_0 to JOINTS_7: 32 joints per vertex
 constexpr std::uint64_t kMaxZeros = 1'000'000;  // elements of accessors without data, which cost a file nothing
 
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
@@ -149,15 +154,17 @@ class SubsetBuilder {
  public:
   explicit SubsetBuilder(GltfFile& file) : file_(file), packer_(file), draco_required_(Requires(file.root(), kDraco)) {}
 
-  Subset Run(const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced) {
-    for (const MeshRequest& mesh : meshes) AddMesh(mesh);
+  Subset Run(const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced,
+             std::vector<SkinRequest> skins) {
+    for (SkinRequest& skin : skins) AddSkin(std::move(skin));
+    for (std::size_t i = 0; i < meshes.size(); ++i) AddMesh(meshes[i], i);
     for (const std::uint32_t node : instanced) AddInstances(node);
     subset_.bytes = packer_.TakeBytes();
     return std::move(subset_);
   }
 
  private:
-  void AddMesh(const MeshRequest& request) {
+  void AddMesh(const MeshRequest& request, std::size_t number) {
     const std::uint32_t mesh = request.mesh;
     const std::string pointer = JoinPointer("/meshes", mesh);
     const Json* primitives = FindArray(ElementOf(file_.root(), "meshes", mesh), pointer, "primitives");
@@ -165,16 +172,17 @@ class SubsetBuilder {
     for (std::uint32_t i = 0; i < primitives->elements().size(); ++i) {
       const Json& json = primitives->elements()[i];
       SubsetPrimitive primitive;
+      primitive.request = number;
       primitive.mesh = mesh;
       primitive.primitive = i;
       primitive.pointer = JoinPointer(JoinPointer(pointer, "primitives"), i);
       if (!json.is_object()) throw LoadError(primitive.pointer, "must be an object");
-      AddPrimitive(json, i < request.uv_sets.size() ? request.uv_sets[i] : std::uint8_t{0}, request.paint, primitive);
+      AddPrimitive(json, i < request.uv_sets.size() ? request.uv_sets[i] : std::uint8_t{0}, request, primitive);
       subset_.primitives.push_back(std::move(primitive));
     }
   }
 
-  void AddPrimitive(const Json& json, std::uint8_t uv_sets, bool paint, SubsetPrimitive& primitive) {
+  void AddPrimitive(const Json& json, std::uint8_t uv_sets, const MeshRequest& request, SubsetPrimitive& primitive) {
     const std::uint64_t mode = ReadInteger(json, primitive.pointer, "mode", 6, 4);
     if (mode < 4) {
       primitive.skipped = std::string("is drawn as ") + ModeName(mode) + "; only triangles are read";
@@ -204,8 +212,68 @@ class SubsetBuilder {
       primitive.uv[set] = AddAccessor(*uv, kUv);
       primitive.uv_sets = static_cast<std::uint8_t>(primitive.uv_sets | 1U << set);
     }
-    if (paint) AddPaint(*attributes, *position, primitive);
+    AddMorph(json, request.morph, *position, primitive);
+    if (request.skin) AddInfluences(*attributes, *position, *request.skin, primitive);
+    if (request.paint) AddPaint(*attributes, *position, primitive);
     primitive.bytes = packer_.fresh_bytes();
+  }
+
+  // A primitive without targets stays as it is.
+  void AddMorph(const Json& json, const std::vector<MorphWeight>& morph, std::uint32_t position,
+                SubsetPrimitive& primitive) {
+    const Json* targets = FindArray(json, primitive.pointer, "targets");
+    const std::string pointer = JoinPointer(primitive.pointer, "targets");
+    for (const auto& [target, weight] : morph) {
+      if (!targets || targets->elements().empty()) return;
+      if (target >= targets->elements().size()) {
+        throw LoadError(pointer, "has " + std::to_string(targets->elements().size()) + " elements, but target " +
+                                     std::to_string(target) + " has a weight; export the file again");
+      }
+      const std::string place = JoinPointer(pointer, target);
+      const auto moved = ReadIndex(targets->elements()[target], place, "POSITION", CountOf(file_.root(), "accessors"));
+      if (!moved) continue;
+      CheckCount(*moved, position, JoinPointer(place, "POSITION"));
+      primitive.morph.emplace_back(AddAccessor(*moved, kPosition), weight);
+    }
+  }
+
+  void AddInfluences(const Json& attributes, std::uint32_t position, std::size_t skin, SubsetPrimitive& primitive) {
+    const std::string pointer = JoinPointer(primitive.pointer, "attributes");
+    for (std::size_t set = 0;; ++set) {
+      const auto find = [&](const std::string& name) {
+        const auto accessor = ReadIndex(attributes, pointer, name.c_str(), CountOf(file_.root(), "accessors"));
+        if (accessor && set < kMaxInfluenceSets) CheckCount(*accessor, position, JoinPointer(pointer, name));
+        return accessor;
+      };
+      const std::string joints_name = "JOINTS_" + std::to_string(set), weights_name = "WEIGHTS_" + std::to_string(set);
+      const auto joints = find(joints_name), weights = find(weights_name);
+      if (!joints && !weights) break;
+      if (!joints || !weights) throw LoadError(JoinPointer(pointer, joints ? weights_name : joints_name), "is missing");
+      if (set == kMaxInfluenceSets) {
+        throw LoadError(JoinPointer(pointer, joints_name), "is beyond the limit of " + std::to_string(set) +
+                                                               " sets of joints; export with fewer per vertex");
+      }
+      primitive.influences.emplace_back(AddAccessor(*joints, kJoints), AddAccessor(*weights, kWeights));
+    }
+    if (!primitive.influences.empty()) primitive.skin = skin;
+  }
+
+  void AddSkin(SkinRequest from) {
+    const std::string pointer = JoinPointer("/skins", from.skin);
+    const auto inverse = ReadIndex(ElementOf(file_.root(), "skins", from.skin), pointer, "inverseBindMatrices",
+                                   CountOf(file_.root(), "accessors"));
+    SubsetSkin skin{.from = std::move(from), .inverse_bind = {}};
+    if (inverse) {
+      skin.inverse_bind = AddAccessor(*inverse, kMatrix);
+      const std::size_t count = subset_.accessors[*skin.inverse_bind].count;
+      if (count < skin.from.joints.size()) {
+        throw LoadError(JoinPointer(pointer, "inverseBindMatrices"), "has " + std::to_string(count) + " elements for " +
+                                                                         std::to_string(skin.from.joints.size()) +
+                                                                         " joints; export the file again");
+      }
+    }
+    packer_.fresh_bytes();
+    subset_.skins.push_back(std::move(skin));
   }
 
   // Of a picture: those of NORMAL and COLOR_0 that are there.
@@ -216,7 +284,9 @@ class SubsetBuilder {
       if (accessor) CheckCount(*accessor, position, JoinPointer(pointer, name));
       return accessor;
     };
-    if (const auto normals = find("NORMAL")) primitive.normals = AddAccessor(*normals, kNormal);
+    const bool moved = !primitive.morph.empty() || primitive.skin;  // normals are of the shape as stored
+    const auto normals = moved ? std::nullopt : find("NORMAL");
+    if (normals) primitive.normals = AddAccessor(*normals, kNormal);
     if (const auto colours = find("COLOR_0")) {
       const Json& json = ElementOf(file_.root(), "accessors", *colours);
       const bool four = FindString(json, JoinPointer("/accessors", *colours), "type", "") == "VEC4";
@@ -352,9 +422,9 @@ class SubsetBuilder {
 
 }  // namespace
 
-Subset BuildSubset(GltfFile& file, const std::vector<MeshRequest>& meshes,
-                   const std::vector<std::uint32_t>& instanced) {
-  return SubsetBuilder(file).Run(meshes, instanced);
+Subset BuildSubset(GltfFile& file, const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced,
+                   std::vector<SkinRequest> skins) {
+  return SubsetBuilder(file).Run(meshes, instanced, std::move(skins));
 }
 
 }  // namespace omni::scene

@@ -1,13 +1,15 @@
-// The part of a document that haptics needs: positions and indices of chosen meshes, texture coordinates where a haptic
-// texture needs them, normals and colours for a picture, transforms of instances; checked against the document's own
-// limits, their bytes read.
+// The part of a document that haptics needs: positions and indices of chosen meshes, what moves these positions (morph
+// targets, joints), texture coordinates where a haptic texture needs them, normals and colours for a picture,
+// transforms of instances; checked against the document's own limits, their bytes read.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <glm/mat4x4.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "service/haptics/scene/scene.h"
@@ -25,7 +27,10 @@ enum Use : unsigned {
   kRotation = 16,
   kNormal = 32,
   kColour3 = 64,
-  kColour4 = 128
+  kColour4 = 128,
+  kJoints = 256,
+  kWeights = 512,
+  kMatrix = 1024
 };
 
 struct UseRow {
@@ -47,10 +52,26 @@ const ComponentRow& ComponentOf(const Json& parent, const std::string& pointer, 
 // Of a type that ComponentOf has returned.
 std::size_t ComponentBytes(std::uint64_t type);
 
+// A morph target that moves vertices: times this weight.
+struct MorphWeight {
+  std::uint32_t target = 0;
+  double weight = 0;                                     // not 0
+  auto operator<=>(const MorphWeight&) const = default;  // NOLINT(modernize-use-nullptr): seen in generated code
+};
+
+// A mesh in one shape; MeshRequests (mesh_requests.h) makes them.
 struct MeshRequest {
-  std::uint32_t mesh = 0;             // index into /meshes, each once
+  std::uint32_t mesh = 0;             // index into /meshes
+  std::optional<std::size_t> skin;    // of SkinRequests
+  std::vector<MorphWeight> morph;     // each target at most once
   std::vector<std::uint8_t> uv_sets;  // of each primitive: bit k requests TEXCOORD_k; those beyond the list need none
   bool paint = false;                 // NORMAL and COLOR_0 too, where they are
+};
+
+// A skin, and where its joints are: joint -> scene.
+struct SkinRequest {
+  std::uint32_t skin = 0;  // index into /skins
+  std::vector<glm::dmat4> joints;
 };
 
 // An accessor whose bytes were read, in Subset::bytes. Elements are `width` components wide.
@@ -73,8 +94,14 @@ struct SubsetInstances {
   std::optional<std::size_t> translation, rotation, scale;  // accessors of the subset
 };
 
+struct SubsetSkin {
+  SkinRequest from;
+  std::optional<std::size_t> inverse_bind;  // accessor of the subset; none: all are the identity
+};
+
 struct SubsetPrimitive {
-  std::uint32_t mesh = 0;  // in the original document
+  std::size_t request = 0;  // that it is of
+  std::uint32_t mesh = 0;   // in the original document
   std::uint32_t primitive = 0;
   std::string pointer;         // /meshes/0/primitives/1
   std::uint64_t bytes = 0;     // read for it
@@ -86,16 +113,21 @@ struct SubsetPrimitive {
   std::size_t positions = 0;
   std::optional<std::size_t> indices, normals, colours;
   std::array<std::size_t, haptics::kMaxUvSets> uv{};
+  std::vector<std::pair<std::size_t, double>> morph;            // displacements, and their weights
+  std::optional<std::size_t> skin;                              // of the subset; none: the node places it
+  std::vector<std::pair<std::size_t, std::size_t>> influences;  // JOINTS_n and WEIGHTS_n, with a skin
 };
 
 struct Subset {
   std::vector<SubsetPrimitive> primitives;
   std::vector<SubsetInstances> instances;
+  std::vector<SubsetSkin> skins;
   std::vector<SubsetAccessor> accessors;
   std::vector<unsigned char> bytes;
 };
 
 // Throws LoadError on anything that violates glTF 2.0. `instanced`: nodes whose instances are wanted.
-Subset BuildSubset(GltfFile& file, const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced);
+Subset BuildSubset(GltfFile& file, const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced,
+                   std::vector<SkinRequest> skins = {});
 
 }  // namespace omni::scene

@@ -40,7 +40,8 @@ std::uint64_t CountInstances(const Json& root, std::uint32_t node) {
 }
 
 // X = T R S of each   [EXT_mesh_gpu_instancing]
-std::vector<glm::dmat4> PlacesOf(const NodeVisit& node, const std::vector<Instance>& instances) {
+std::vector<glm::dmat4> PlacesOf(const NodeVisit& node, const glm::dmat4& placed,
+                                 const std::vector<Instance>& instances) {
   std::vector<glm::dmat4> places;
   for (const auto& [t, q, s] : instances) {
     glm::dmat4 X(1.0);
@@ -50,7 +51,7 @@ std::vector<glm::dmat4> PlacesOf(const NodeVisit& node, const std::vector<Instan
     X[3] = glm::dvec4(t[0], t[1], t[2], 1);
     X = X * glm::mat4_cast(turn / glm::length(turn));
     for (int k = 0; k < 3; ++k) X[k] *= s[static_cast<std::size_t>(k)];
-    places.push_back(node.world * X);
+    places.push_back(placed * X);
   }
   return places;
 }
@@ -70,6 +71,16 @@ std::uint64_t StrideOf(const Json& root, const Json& accessor, std::uint64_t pac
 }
 
 }  // namespace
+
+std::uint64_t StoredBytes(const Json& root, std::uint32_t accessor, std::uint64_t packed) {
+  const Json& json = ElementOf(root, "accessors", accessor);
+  const auto count = [](const Json& counted) {
+    const Json* found = FindMember(counted, "count");
+    return std::min<std::uint64_t>(found ? found->whole().value_or(0) : 0, 1ull << 40);
+  };
+  const Json* sparse = FindMember(json, "sparse");
+  return count(json) * StrideOf(root, json, packed) + (sparse ? count(*sparse) * (4 + packed) : 0);
+}
 
 std::vector<PrimitiveSize> SizesOf(const Json& root, std::uint32_t mesh) {
   const std::string pointer = JoinPointer("/meshes", mesh);

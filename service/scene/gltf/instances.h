@@ -19,8 +19,9 @@ bool IsInstanced(const Json& root, std::uint32_t node);
 // How often a node's mesh is there; 1 without the extension. Throws LoadError.
 std::uint64_t CountInstances(const Json& root, std::uint32_t node);
 
-// Its transforms, mesh -> scene, one per instance. Throws LoadError.
-std::vector<glm::dmat4> PlacesOf(const NodeVisit& node, const std::vector<Instance>& instances);
+// Its transforms, mesh -> scene, one per instance, where `placed` is that of the node. Throws LoadError.
+std::vector<glm::dmat4> PlacesOf(const NodeVisit& node, const glm::dmat4& placed,
+                                 const std::vector<Instance>& instances);
 
 // What a primitive has, by the counts of its accessors: corners name at most three vertices each, and bytes are those
 // of positions and corners. Points and lines have none.
@@ -29,6 +30,9 @@ struct PrimitiveSize {
 };
 // Of a mesh. Throws LoadError.
 std::vector<PrimitiveSize> SizesOf(const Json& root, std::uint32_t mesh);
+
+// Bytes of an accessor's data in the file, whose elements take `packed` bytes; at most.
+std::uint64_t StoredBytes(const Json& root, std::uint32_t accessor, std::uint64_t packed);
 
 // Throws LoadError when the meshes of `nodes`, each of which has one, have more than haptics::kMaxTriangles with all
 // their instances, or 400,000 primitives.

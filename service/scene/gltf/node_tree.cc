@@ -119,6 +119,7 @@ class Walk {
     visit.world = pending.parent_world * LocalTransform(node, visit.pointer);
     if (!Finite(visit.world)) throw LoadError(visit.pointer, "its transform, with its parents', is not finite");
     visit.mesh = ReadIndex(node, visit.pointer, "mesh", CountOf(root_, "meshes"));
+    visit.skin = ReadIndex(node, visit.pointer, "skin", CountOf(root_, "skins"));
     visit.inherited = pending.inherited;
     if (HapticTag own = ReadExtras(node, visit.pointer, warnings_); own.present) {
       visit.own = std::make_shared<const HapticTag>(std::move(own));

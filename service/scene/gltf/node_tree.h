@@ -21,7 +21,7 @@ struct NodeVisit {
   glm::dmat4 world{1.0};                       // glTF frame, node -> scene
   std::shared_ptr<const HapticTag> own;        // of this node alone; nullptr: it has none
   std::shared_ptr<const HapticTag> inherited;  // of its ancestors and itself, the nearest wins; never nullptr
-  std::optional<std::uint32_t> mesh;
+  std::optional<std::uint32_t> mesh, skin;
 };
 
 // Nodes reachable from the default scene (or from the roots, if there is none), parents first. Throws LoadError on a
