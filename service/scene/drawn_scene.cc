@@ -54,9 +54,10 @@ class DrawnReader {
     const std::vector<NodeVisit> nodes = WalkNodes(file_.root(), {}, warnings);
     std::vector<const NodeVisit*> shown;
     for (const NodeVisit& node : nodes) {
-      if (node.mesh) shown.push_back(&node);
+      if (node.mesh && !node.hidden) shown.push_back(&node);
     }
-    if (shown.empty()) throw LoadError(Place(), "has no node with a mesh: there is nothing to draw; check the export");
+    if (shown.empty())
+      throw LoadError(Place(), "has no visible node with a mesh: there is nothing to draw; check the export");
     const std::vector<std::size_t> requests = Read(shown, nodes);
     for (std::size_t i = 0; i < shown.size(); ++i) Draw(*shown[i], parts_[requests[i]]);
     if (scene_.parts.empty()) {

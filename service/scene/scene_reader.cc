@@ -105,7 +105,8 @@ class SceneReader::Loader {
     for (std::size_t i = 0; i < touched_.size(); ++i) AddObject(*touched_[i], parts_[request_of_[i]]);
     if (input_.objects.empty() && !input_.joystick) {
       throw LoadError(
-          "", "has nothing to touch: no node with triangles; check the export, or the roles in its haptic tags");
+          "",
+          "has nothing to touch: no visible node with triangles; check the export, or the roles in its haptic tags");
     }
     const std::size_t objects = input_.objects.size();
     if (JoinBeyondLimit(input_.objects)) {
@@ -157,6 +158,9 @@ class SceneReader::Loader {
         Explain(node, false, "no haptic tag, and the file has tags elsewhere");
       } else if (role != Role::kSolid && role != Role::kWall) {
         Explain(node, false, "role " + std::string(NameOf(role)) + ": seen, not touched");
+      } else if (node.hidden && !binding_->HasOwnTag(node)) {
+        Explain(node, false,
+                "hidden (KHR_node_visibility); give the node a haptic tag of its own to touch it all the same");
       } else {
         touched.push_back(&node);
       }
@@ -334,6 +338,7 @@ class SceneReader::Loader {
                                : "default material: the file has no haptic tag";
     if (copies > 1) why += ", " + std::to_string(copies) + " instances";
     if (node.skin) why += ", placed by its joints";
+    if (node.hidden) why += ", hidden (KHR_node_visibility) but tagged";
     if (object.kinematic) why += ", kinematic";
     Explain(node, true, why + ", " + std::to_string(object.triangles.size()) + " triangles", bytes);
     input_.objects.push_back(std::move(object));

@@ -30,6 +30,19 @@ glm::dmat4 LocalTransform(const Json& node, const std::string& pointer) {
   return X;
 }
 
+bool Visible(const Json& node, const std::string& pointer) {
+  constexpr const char* kVisibility = "KHR_node_visibility";
+  const Json* extensions = FindObject(node, pointer, "extensions");
+  const std::string place = JoinPointer(pointer, "extensions");
+  const Json* visibility = extensions ? FindObject(*extensions, place, kVisibility) : nullptr;
+  const Json* visible = visibility ? FindMember(*visibility, "visible") : nullptr;
+  if (visible && !visible->is_boolean()) {
+    throw LoadError(JoinPointer(JoinPointer(place, kVisibility), "visible"),
+                    "is " + ValueText(*visible) + ", must be true or false");
+  }
+  return !visible || visible->boolean();
+}
+
 bool Finite(const glm::dmat4& X) {
   for (int column = 0; column < 4; ++column) {
     for (int row = 0; row < 4; ++row) {
@@ -58,7 +71,7 @@ class Walk {
     const std::vector<std::uint32_t> roots = Roots();
     const auto no_tag = std::make_shared<const HapticTag>();
     for (auto node = roots.rbegin(); node != roots.rend(); ++node)
-      stack_.push_back({*node, 1, glm::dmat4(1.0), no_tag});
+      stack_.push_back({*node, 1, glm::dmat4(1.0), no_tag, false});
     while (!stack_.empty()) {
       const Pending pending = stack_.back();
       stack_.pop_back();
@@ -73,6 +86,7 @@ class Walk {
     std::uint32_t depth;
     glm::dmat4 parent_world;
     std::shared_ptr<const HapticTag> inherited;
+    bool hidden;
   };
 
   std::vector<std::uint32_t> Roots() {
@@ -120,6 +134,7 @@ class Walk {
     if (!Finite(visit.world)) throw LoadError(visit.pointer, "its transform, with its parents', is not finite");
     visit.mesh = ReadIndex(node, visit.pointer, "mesh", CountOf(root_, "meshes"));
     visit.skin = ReadIndex(node, visit.pointer, "skin", CountOf(root_, "skins"));
+    visit.hidden = pending.hidden || !Visible(node, visit.pointer);
     visit.inherited = pending.inherited;
     if (HapticTag own = ReadExtras(node, visit.pointer, warnings_); own.present) {
       visit.own = std::make_shared<const HapticTag>(std::move(own));
@@ -132,7 +147,7 @@ class Walk {
     }
     const std::vector<std::uint32_t> children = Children(pending.node);
     for (auto child = children.rbegin(); child != children.rend(); ++child) {
-      stack_.push_back({*child, pending.depth + 1, visit.world, visit.inherited});
+      stack_.push_back({*child, pending.depth + 1, visit.world, visit.inherited, visit.hidden});
     }
     visits_.push_back(std::move(visit));
   }

@@ -22,6 +22,7 @@ struct NodeVisit {
   std::shared_ptr<const HapticTag> own;        // of this node alone; nullptr: it has none
   std::shared_ptr<const HapticTag> inherited;  // of its ancestors and itself, the nearest wins; never nullptr
   std::optional<std::uint32_t> mesh, skin;
+  bool hidden = false;  // KHR_node_visibility: it or an ancestor is not visible
 };
 
 // Nodes reachable from the default scene (or from the roots, if there is none), parents first. Throws LoadError on a

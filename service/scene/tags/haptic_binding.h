@@ -25,6 +25,9 @@ class Binding {
   // Whether the mesh of this node has a tag at any of these places.
   bool HasTag(const NodeVisit& node);
 
+  // Whether the node itself has one: no ancestor, and no mesh or material, which others may share.
+  bool HasOwnTag(const NodeVisit& node) { return node.own || Physics(node).present; }
+
   // The tag that holds for primitive `primitive` of the node's mesh.
   HapticTag TagOf(const NodeVisit& node, std::uint32_t primitive);
 
