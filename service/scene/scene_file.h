@@ -16,7 +16,7 @@ namespace omni::scene {
 class FilesBeside {
  public:
   virtual ~FilesBeside() = default;
-  // A descriptor for the caller, of the file with this name (IsLocalName). Throws LoadError.
+  // A descriptor for the caller, of the file with this name (IsPathBeneath). Throws LoadError.
   virtual int OpenBeside(const std::string& name) = 0;
 };
 

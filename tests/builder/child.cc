@@ -172,6 +172,32 @@ TEST_F(ChildBuilderTest, ReadsFilesBesideTheDocument) {
   EXPECT_NE(Result(builder).error.find("corners.bin cannot be opened"), std::string::npos) << "a link is not followed";
 }
 
+TEST_F(ChildBuilderTest, ReadsFilesInFoldersBesideTheDocumentAndNoneThroughLinks) {
+  const auto document = [&](const std::string& uri) {
+    config::AppEntry app;
+    app.scene = folder_.Write("beneath.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+      "nodes": [{"mesh": 0, "extras": {"haptic": true}}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+      "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": ")" +
+                                                  uri + R"("}]})");
+    return app;
+  };
+  const float corners[] = {0, 0.05F, 0, 0.01F, 0.05F, 0, 0, 0.05F, 0.01F};
+  const std::string bytes(reinterpret_cast<const char*>(corners), sizeof corners);
+  fs::create_directories(folder_.Path("sub/deep"));
+  folder_.Write("sub/deep/corners.bin", bytes);
+  SceneBuilder builder({.way = Children()});
+  builder.Request(1, document("sub/deep/corners.bin"));
+  const BuiltScene built = Result(builder);
+  ASSERT_NE(built.scene, nullptr) << built.error;
+  EXPECT_EQ(built.scene->header().triangle_count, 1U);
+  const test::TempFolder elsewhere;
+  elsewhere.Write("corners.bin", bytes);
+  fs::create_directory_symlink(elsewhere.Path(), folder_.Path("sub/out"));
+  builder.Request(1, document("sub/out/corners.bin"));
+  EXPECT_NE(Result(builder).error.find("\"out\" is a link, which is not followed"), std::string::npos);
+}
+
 TEST_F(ChildBuilderTest, ALongBuildHoldsUpNobody) {
   SceneBuilder builder({.soft_tets = kForever, .way = Children(), .limits = {.builders = 3}});
   builder.Request(1, Soft("slow"));

@@ -129,7 +129,7 @@ class SceneTalk {
   // The name comes from a file that may be hostile, by a process that may be: it is checked here.
   void OpenBeside(const std::string& name) {
     std::string why = "is no file beside the document";
-    if (options_.beside != nullptr && name.size() <= builder::kMaxName && scene::IsLocalName(name)) {
+    if (options_.beside != nullptr && name.size() <= builder::kMaxName && scene::IsPathBeneath(name)) {
       try {
         const base::UniqueFd file(options_.beside->OpenBeside(name));
         struct stat status {};

@@ -303,7 +303,7 @@ class SceneBuilder::Work : public std::enable_shared_from_this<Work> {
     scene::FilesInFolder folder(std::filesystem::path(*file).parent_path().string());
     if (task.job.document == nullptr) {
       try {
-        opened.Reset(scene::OpenForReading(*file, true));
+        opened.Reset(scene::OpenForReading(*file));
       } catch (const std::exception& problem) {
         built.error = *file + ": " + problem.what();
         return true;

@@ -10,10 +10,13 @@
 #include <span>
 #include <system_error>
 
+#include "service/base/unique_fd.h"
 #include "service/scene/gltf/json_reading.h"
 
 namespace omni::scene {
 namespace {
+
+constexpr std::size_t kMaxPathBeneath = 1024;
 
 std::string ReasonOf(int error) { return std::error_code(error, std::generic_category()).message(); }
 
@@ -23,16 +26,16 @@ FileBytes::~FileBytes() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-int OpenForReading(const std::string& path, bool follow_links) {
+int OpenForReading(const std::string& path) {
   // O_NONBLOCK: opening a FIFO must not wait for its other end; it is refused by FileBytes.
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | (follow_links ? 0 : O_NOFOLLOW));
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0)
     throw LoadError("", "cannot be opened (" + ReasonOf(errno) + "); check the path and its permissions");
   return descriptor;
 }
 
-void FileBytes::Open(const std::string& path, std::uint64_t max_bytes, bool follow_links) {
-  TakeDescriptor(OpenForReading(path, follow_links), max_bytes);
+void FileBytes::Open(const std::string& path, std::uint64_t max_bytes) {
+  TakeDescriptor(OpenForReading(path), max_bytes);
 }
 
 void FileBytes::OpenDescriptor(int descriptor, std::uint64_t max_bytes) {
@@ -123,31 +126,72 @@ std::vector<unsigned char> DecodeDataUri(const std::string& uri, const std::stri
   return bytes;
 }
 
-bool IsLocalName(std::string_view name) {
-  constexpr std::string_view kElsewhere("/\\:\0", 4);
-  return !name.empty() && name != "." && name != ".." && name.find_first_of(kElsewhere) == std::string_view::npos;
+namespace {
+
+// Each part of a path, between its slashes.
+template <class Use>
+void ForEachPart(std::string_view path, Use use) {
+  for (std::size_t at = 0; at <= path.size();) {
+    const std::size_t end = std::min(path.find('/', at), path.size());
+    use(path.substr(at, end - at), end == path.size());
+    at = end + 1;
+  }
 }
 
-std::string LocalFileName(const std::string& uri, const std::string& pointer) {
-  std::string name;
+}  // namespace
+
+bool IsPathBeneath(std::string_view path) {
+  constexpr std::string_view kElsewhere("\\:\0", 3);
+  bool beneath = path.size() <= kMaxPathBeneath && path.find_first_of(kElsewhere) == std::string_view::npos;
+  ForEachPart(path, [&](std::string_view part, bool) { beneath &= !part.empty() && part != "." && part != ".."; });
+  return beneath;
+}
+
+std::string PathBeneath(const std::string& uri, const std::string& pointer) {
+  std::string decoded;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     const int high = uri[i] == '%' && i + 2 < uri.size() ? HexDigit(uri[i + 1]) : -1;
     const int low = high >= 0 ? HexDigit(uri[i + 2]) : -1;
     if (low >= 0) {
-      name += static_cast<char>(high * 16 + low);
+      decoded += static_cast<char>(high * 16 + low);
       i += 2;
     } else {
-      name += uri[i];
+      decoded += uri[i];
     }
   }
-  if (name.starts_with("./")) name.erase(0, 2);
-  if (!IsLocalName(name)) {
-    throw LoadError(
-        pointer,
-        "names \"" + uri.substr(0, 60) +
-            "\"; buffers are read only from files in the document's own folder: move it there or export as .glb");
+  std::string path;
+  ForEachPart(decoded, [&](std::string_view part, bool last) {
+    if (part != "." || last) path.append(part).append(last ? "" : "/");
+  });
+  if (!IsPathBeneath(path)) {
+    throw LoadError(pointer, "names \"" + uri.substr(0, 60) +
+                                 "\"; only files in the document's own folder and the folders in it are read: move it "
+                                 "there or export as .glb");
   }
-  return name;
+  return path;
+}
+
+int FilesInFolder::OpenBeside(const std::string& name) {
+  base::UniqueFd at;
+  int file = -1;
+  ForEachPart(name, [&](std::string_view part, bool last) {
+    if (!IsPathBeneath(part)) throw LoadError("", "is no path beneath its folder");
+    if (!at) at.Reset(open(folder_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+    const std::string one(part);
+    const int flags = last ? O_RDONLY | O_NONBLOCK : O_PATH | O_DIRECTORY;
+    const int next = at ? openat(at.get(), one.c_str(), flags | O_NOFOLLOW | O_CLOEXEC) : -1;
+    if (next < 0) {
+      const int error = errno;
+      struct stat status {};
+      const bool link =
+          at && fstatat(at.get(), one.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0 && S_ISLNK(status.st_mode);
+      throw LoadError("", "cannot be opened (" +
+                              (link ? "\"" + one + "\" is a link, which is not followed" : ReasonOf(error)) +
+                              "); check the path and its permissions");
+    }
+    last ? static_cast<void>(file = next) : at.Reset(next);
+  });
+  return file;
 }
 
 }  // namespace omni::scene

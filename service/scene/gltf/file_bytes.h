@@ -22,9 +22,8 @@ class FileBytes {
   FileBytes& operator=(const FileBytes&) = delete;
   ~FileBytes();
 
-  // Throws LoadError: missing, not a regular file, unreadable, or larger than `max_bytes`. `follow_links` = false also
-  // rejects a symbolic link in the last component.
-  void Open(const std::string& path, std::uint64_t max_bytes, bool follow_links);
+  // Throws LoadError: missing, not a regular file, unreadable, or larger than `max_bytes`.
+  void Open(const std::string& path, std::uint64_t max_bytes);
 
   // The same for an open descriptor, which stays the caller's.
   void OpenDescriptor(int descriptor, std::uint64_t max_bytes);
@@ -60,23 +59,25 @@ class FileBytes {
 std::vector<unsigned char> DecodeDataUri(const std::string& uri, const std::string& pointer);
 
 // A file for reading; it may turn out to be none (FileBytes checks). Throws LoadError.
-int OpenForReading(const std::string& path, bool follow_links);
+int OpenForReading(const std::string& path);
 
 class FilesInFolder final : public FilesBeside {
  public:
   explicit FilesInFolder(const std::string& folder)
       : folder_(folder.empty() ? "." : folder) {}  // empty: the working folder
-  int OpenBeside(const std::string& name) override { return OpenForReading(folder_ + "/" + name, false); }
+
+  // Follows no link on the way from the folder to the file, so that it is beneath the folder whatever others do there.
+  int OpenBeside(const std::string& name) override;
 
  private:
   const std::string folder_;
 };
 
-// A file in the document's own folder: no scheme, folder, ".." or NUL byte. A scene file must not make the service open
-// files elsewhere.
-bool IsLocalName(std::string_view name);
+// A file in the document's own folder or beneath it, "textures/clay.bin": no scheme, "..", backslash or NUL byte, and
+// not absolute. A scene file must not make the service open files elsewhere.
+bool IsPathBeneath(std::string_view path);
 
-// The percent-decoded name of such a file. Throws LoadError on any other place.
-std::string LocalFileName(const std::string& uri, const std::string& pointer);
+// The percent-decoded path of such a file. Throws LoadError on any other place.
+std::string PathBeneath(const std::string& uri, const std::string& pointer);
 
 }  // namespace omni::scene

@@ -120,7 +120,7 @@ void GltfFile::Open(const std::string& path, const LoadOptions& options, LoadRep
   if (in_memory_) {
     file_.OpenDescriptor(options.memory, max_file_bytes_);
   } else {
-    file_.Open(path, max_file_bytes_, true);
+    file_.Open(path, max_file_bytes_);
   }
   file_.AddTo(&digest_);
   report.file_bytes = file_.size();
@@ -201,17 +201,14 @@ FileBytes& GltfFile::OpenBeside(const std::string& uri, const std::string& point
     throw LoadError(pointer, "names more than " + std::to_string(kMaxFilesBeside) +
                                  " files beside the document, which is the limit; export as .glb");
   }
-  const std::string name = LocalFileName(uri, pointer);
-  const std::filesystem::path file = std::filesystem::path(path_).parent_path() / name;
+  const std::string name = PathBeneath(uri, pointer);
+  const std::filesystem::path folder = std::filesystem::path(path_).parent_path(), file = folder / name;
   FileBytes& bytes = external_.emplace_back();
   bytes.AddTo(&digest_);
   bytes.WatchBy(watch_);
   try {
-    if (in_memory_) {
-      bytes.TakeDescriptor(beside_->OpenBeside(name), max_file_bytes_);
-    } else {
-      bytes.Open(file.string(), max_file_bytes_, false);
-    }
+    FilesInFolder own(folder.string());
+    bytes.TakeDescriptor((in_memory_ ? *beside_ : own).OpenBeside(name), max_file_bytes_);
   } catch (const LoadError& error) {
     throw LoadError(pointer, file.string() + " " + error.what());
   }
