@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <iomanip>
 #include <limits>
 #include <sstream>
 
@@ -15,6 +17,7 @@ constexpr double kFitHeight_m = 0.040;
 constexpr double kClearance_m = 0.005;  // least distance of what is touched to the hull
 constexpr double kFitTopMin_m = 0.015;  // of the model's top over the hull
 constexpr double kFitTopMax_m = 0.030;  // force falls off: 0.6 N are left there
+constexpr double kFeltStep_m = 5e-5;    // of a surface
 constexpr double kReach_m = 0.060;      // over the hull; beyond, the pen is tracked but hardly any force is left
 
 struct Bounds {
@@ -107,6 +110,23 @@ void WarnIfOutOfReach(const haptics::SceneInput& input, const LoadOptions& optio
   if (nearest_m < std::numeric_limits<double>::max()) text << " (nearest vertex: " << nearest_m * 1000 << " mm)";
   text << "; load it with fit, or move and scale it over the base (docs/scenes.md)";
   warnings.Add("/scene", text.str());
+}
+
+void FloatSteps::Note(const std::string& pointer, const glm::dmat4& place, const DecodedPrimitive& decoded) {
+  const glm::dmat3 axes(place);
+  const double scale = std::max({glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])});
+  if (scale * decoded.float_step <= step_m_) return;
+  step_m_ = scale * decoded.float_step;
+  reach_m_ = scale * decoded.float_reach;
+  pointer_ = pointer;
+}
+
+void FloatSteps::Warn(double scale, Warnings& warnings) const {
+  if (!(scale * step_m_ > kFeltStep_m)) return;
+  std::ostringstream text;
+  text << std::setprecision(2) << "vertices lie at " << reach_m_ << " m, where a float step is " << 1000 * step_m_
+       << " mm: move the model to its origin before exporting";
+  warnings.Add(pointer_, text.str());
 }
 
 }  // namespace omni::scene

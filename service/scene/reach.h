@@ -1,9 +1,11 @@
 // Places a model over the base.
 #pragma once
 
+#include <glm/mat4x4.hpp>
 #include <string>
 
 #include "service/haptics/scene/scene_input.h"
+#include "service/scene/gltf/gltf_decode.h"
 #include "service/scene/scene_file.h"
 #include "service/scene/tags/haptic_tag.h"
 
@@ -23,5 +25,18 @@ Placing Place(haptics::SceneInput& input, const LoadOptions& options);
 
 // A warning when nothing touchable is where the device can exert force.
 void WarnIfOutOfReach(const haptics::SceneInput& input, const LoadOptions& options, Warnings& warnings);
+
+// How exactly coordinates that are floats say where surfaces are: coarse, far from their origin.
+class FloatSteps {
+ public:
+  // What was decoded, as `place` puts it into the scene. The coarsest is remembered.
+  void Note(const std::string& pointer, const glm::dmat4& place, const DecodedPrimitive& decoded);
+  // One warning, when its steps can be felt; `scale`: of the scene.
+  void Warn(double scale, Warnings& warnings) const;
+
+ private:
+  double step_m_ = 0, reach_m_ = 0;  // between neighbouring coordinates, and how large these are
+  std::string pointer_;
+};
 
 }  // namespace omni::scene

@@ -126,6 +126,7 @@ class SceneReader::Loader {
     report_.placed_scale = placing.scale;
     report_.placed_offset_m = placing.offset_m;
     WarnIfOutOfReach(input_, options_, warnings_);
+    float_steps_.Warn(placing.scale, warnings_);
     ExplainUnread();
     return std::move(input_);
   }
@@ -330,6 +331,7 @@ class SceneReader::Loader {
           instances == instances_.end() ? std::vector{placed} : PlacesOf(node, placed, instances->second);
       copies = places.size();
       for (const glm::dmat4& place : places) Append(node, place, decoded, material, object);
+      if (!places.empty()) float_steps_.Note(node.pointer, places[0], decoded);
       if (node.skin && !decoded.placed)
         warnings_.Add(primitive->pointer, "has no JOINTS_0 and WEIGHTS_0; the node places it, not its joints");
     }
@@ -437,6 +439,7 @@ class SceneReader::Loader {
   std::map<std::uint32_t, std::vector<Instance>> instances_;  // by node
   std::vector<haptics::Checkpoint> checkpoints_;
   std::vector<ObjectSource> sources_;  // of input_.objects
+  FloatSteps float_steps_;
   bool any_tag_ = false;
 };
 
