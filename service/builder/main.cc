@@ -141,6 +141,7 @@ void BuildScene(Message& request) {
   const scene::LoadOptions options{.all_kinematic = job.all_kinematic != 0,
                                    .memory = request.fds[0].get(),
                                    .touch_untagged = job.touch_untagged != 0,
+                                   .z_up = job.z_up != 0,
                                    .fit = job.fit != 0,
                                    .offset_base_m = {job.offset_base_m[0], job.offset_base_m[1], job.offset_base_m[2]},
                                    .scale = job.scale,

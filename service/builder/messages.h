@@ -42,7 +42,7 @@ enum class Kind : std::uint32_t {
 struct SceneJob {
   Kind kind = Kind::kSceneJob;
   std::uint32_t text_bytes = 0;  // name of the document
-  std::uint32_t all_kinematic = 0, touch_untagged = 0, fit = 0, has_beside = 0;
+  std::uint32_t all_kinematic = 0, touch_untagged = 0, z_up = 0, fit = 0, has_beside = 0, reserved = 0;
   double offset_base_m[3]{};
   double scale = 1, hull_radius_m = 0;
   std::uint64_t max_file_bytes = 0;

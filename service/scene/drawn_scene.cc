@@ -45,13 +45,13 @@ double Share(const Json& parent, const std::string& pointer, const char* key, do
 
 class DrawnReader {
  public:
-  explicit DrawnReader(std::string path) : path_(std::move(path)) {}
+  DrawnReader(std::string path, bool z_up) : path_(std::move(path)), z_up_(z_up) {}
 
   DrawnScene Run() {
     file_.Open(path_, {}, report_);
     std::vector<std::string> about_touch;  // tags are not drawn
     Warnings warnings(path_, about_touch);
-    const std::vector<NodeVisit> nodes = WalkNodes(file_.root(), {}, warnings);
+    const std::vector<NodeVisit> nodes = WalkNodes(file_.root(), {.z_up = z_up_}, warnings);
     std::vector<const NodeVisit*> shown;
     for (const NodeVisit& node : nodes) {
       if (node.mesh && !node.hidden) shown.push_back(&node);
@@ -212,6 +212,7 @@ class DrawnReader {
   }
 
   const std::string path_;
+  const bool z_up_;
   LoadReport report_;
   GltfFile file_;
   std::vector<std::vector<MeshPart>> parts_;                  // by request
@@ -223,9 +224,9 @@ class DrawnReader {
 
 }  // namespace
 
-base::Result<DrawnScene> LoadDrawnScene(const std::string& path) {
+base::Result<DrawnScene> LoadDrawnScene(const std::string& path, bool z_up) {
   try {
-    return DrawnReader(path).Run();
+    return DrawnReader(path, z_up).Run();
   } catch (const std::bad_alloc&) {
     return base::Error{path + ": does not fit into memory; simplify the model"};
   } catch (const std::exception& error) {

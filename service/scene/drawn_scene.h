@@ -27,7 +27,7 @@ struct DrawnScene {
   std::vector<std::string> notes;  // "<file>: <JSON pointer>: what is not drawn, or not as it would be elsewhere"
 };
 
-// Errors: "<file>: <JSON pointer>: what, limit, what to do".
-base::Result<DrawnScene> LoadDrawnScene(const std::string& path);
+// `z_up`: as LoadOptions'. Errors: "<file>: <JSON pointer>: what, limit, what to do".
+base::Result<DrawnScene> LoadDrawnScene(const std::string& path, bool z_up = false);
 
 }  // namespace omni::scene

@@ -129,4 +129,27 @@ void FloatSteps::Warn(double scale, Warnings& warnings) const {
   warnings.Add(pointer_, text.str());
 }
 
+void SuggestUp(const haptics::SceneInput& input, const LoadOptions& options, const Placing& placing,
+               Warnings& warnings) {
+  if (options.z_up || options.fit || input.joystick) return;
+  // Within a cone of 45 degrees about the vertical, and in reach.
+  const auto over_base = [&](const base::Vec3& p) {
+    return p.z > 0.7 * Norm(p) && std::abs(Norm(p) - options.hull_radius_m) <= kReach_m;
+  };
+  std::size_t all = 0, over = 0, over_turned = 0;
+  for (const haptics::InputObject& object : input.objects) {
+    for (const base::Vec3& p : object.vertices_base_m) {
+      const base::Vec3 authored = (1 / placing.scale) * (p - placing.offset_m);
+      ++all;
+      over += over_base(p) ? 1 : 0;
+      over_turned +=
+          over_base(placing.scale * base::Vec3{authored.x, authored.z, -authored.y} + placing.offset_m) ? 1 : 0;
+    }
+  }
+  if (over > 0 || 4 * over_turned < all || all == 0) return;
+  warnings.Add("/scene",
+               "lies beside the base, and would lie over it if the file's z axis were up; if it is, load it with "
+               "up = \"z\" (apps.d) or --up z");
+}
+
 }  // namespace omni::scene

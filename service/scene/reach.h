@@ -39,4 +39,8 @@ class FloatSteps {
   std::string pointer_;
 };
 
+// A warning when nothing of the scene lies over the base, but would if the file's z axis were up.
+void SuggestUp(const haptics::SceneInput& input, const LoadOptions& options, const Placing& placing,
+               Warnings& warnings);
+
 }  // namespace omni::scene

@@ -25,6 +25,7 @@ struct LoadOptions {
   int memory = -1;              // descriptor of the document, which must not change any more; stays the caller's. The
                                 // path is its name then, for messages, and no file is opened by us. < 0: none
   bool touch_untagged = false;  // a file without any haptic tag is touched as a whole, with the default material
+  bool z_up = false;            // the file's z axis is up, and its x axis to the right: not what glTF says
   bool fit = false;             // scale and move into reach: what is touched lies 5-30 mm above the hull
   base::Vec3 offset_base_m;
   double scale = 1;

@@ -84,6 +84,20 @@ TEST_F(ChildBuilderTest, BuildsTheSameBitsAndReports) {
   }
 }
 
+TEST_F(ChildBuilderTest, TheAxisThatIsUpReachesTheBuilder) {
+  config::AppEntry app = Rigid("turned");
+  SceneBuilder here({}), child({.way = Children()});
+  child.Request(1, app);
+  const BuiltScene upright = Result(child);
+  app.up = config::Up::kZ;
+  here.Request(1, app);
+  child.Request(1, app);
+  const BuiltScene a = Result(here), b = Result(child);
+  ASSERT_TRUE(a.scene != nullptr && b.scene != nullptr && upright.scene != nullptr) << a.error << b.error;
+  EXPECT_TRUE(Same(*a.scene, *b.scene));
+  EXPECT_FALSE(Same(*upright.scene, *b.scene));
+}
+
 TEST_F(ChildBuilderTest, SoftBodiesAreTheSameAndTheCacheIsOmnids) {
   const config::AppEntry app = Soft("soft");
   const std::string cache = folder_.Path("cache");

@@ -64,6 +64,9 @@ TEST(ConfigApps, ReadsEveryKey) {
             Touch::kTagged);
   EXPECT_EQ(entry->offset_base_m, (base::Vec3{0.01, -0.02, 0.03}));
   EXPECT_EQ(entry->scale, 2);
+  EXPECT_EQ(entry->up, Up::kY) << "glTF's own";
+  EXPECT_EQ(ParseAppFile(Entry("a", "b", "up = \"z\"\n"), "f.toml", "/s")->up, Up::kZ);
+  ExpectMentions(ErrorOf(Entry("a", "b", "up = \"x\"\n")), {"test.toml", "up", "y", "z"});
   EXPECT_EQ(entry->force_scale, 0.5);
 }
 

@@ -323,6 +323,23 @@ TEST(ToolsCommandLine, ExplainWithFitScalesModelIntoReach) {
   EXPECT_LE(json["upper_base_m"][2].get<double>(), 0.0375 + 0.031);
 }
 
+TEST(ToolsCommandLine, ExplainTakesTheAxisThatIsUp) {
+  const test::TempFolder folder;
+  const std::string file = folder.Write("p.gltf", Pyramid(""));
+  const auto bounds = [&](const char* up) {
+    const Outcome ran = RunOmni({"scene", "explain", "--touch-all", "--no-cache", "--up", up, "--json", file});
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    const nlohmann::json json = nlohmann::json::parse(ran.out, nullptr, false);
+    return std::pair(json["upper_base_m"], json["lower_base_m"]);
+  };
+  const auto [y_upper, y_lower] = bounds("y");
+  const auto [z_upper, z_lower] = bounds("z");
+  EXPECT_NEAR(z_upper[1].get<double>(), y_upper[2].get<double>(), 1e-9);
+  EXPECT_NEAR(z_upper[2].get<double>(), -y_lower[1].get<double>(), 1e-9);
+  EXPECT_NEAR(z_lower[2].get<double>(), -y_upper[1].get<double>(), 1e-9);
+  EXPECT_EQ(RunOmni({"scene", "explain", "--up", "x", file}).status, kExitUsage);
+}
+
 TEST(ToolsCommandLine, ExplainFailsWithOneLine) {
   const test::TempFolder folder;
   const Outcome gone = RunOmni({"scene", "explain", folder.Path("gone.glb")});

@@ -25,6 +25,7 @@ constexpr std::size_t kMaxProfileBytes = 127;
 constexpr std::string_view kProfilePrefix = "/interaction_profiles/";
 constexpr std::string_view kPlacements[] = {"as_authored", "fit"};
 constexpr std::string_view kTouches[] = {"tagged", "all"};
+constexpr std::string_view kUps[] = {"y", "z"};
 
 // The *.toml files of a folder in name order; a folder that is not there has none.
 std::vector<std::string> TomlFiles(const std::string& folder, std::vector<std::string>& problems) {
@@ -91,6 +92,7 @@ base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& 
   // A model that is fitted into reach is meant to be touched.
   const bool fit = entry.placement == Placement::kFit;
   entry.touch = reader.Choice("touch", kTouches, fit ? "all" : "tagged") == "all" ? Touch::kAll : Touch::kTagged;
+  entry.up = reader.Choice("up", kUps, "y") == "z" ? Up::kZ : Up::kY;
   entry.offset_base_m = reader.Vector("offset_base_m", kOffset_m, base::Vec3{});
   entry.scale = reader.Number("scale", kScale, 1.0);
   entry.force_scale = reader.Number("force_scale", kForceScale, 1.0);

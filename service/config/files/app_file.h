@@ -19,6 +19,8 @@ inline constexpr std::string_view kHands[] = {"auto", "left", "right"};  // that
 
 inline constexpr std::size_t kMaxAppFiles = 256;  // of one folder; further ones are skipped, with a problem
 
+enum class Up { kY, kZ };  // axis of the file; glTF says y
+
 enum class Placement { kAsAuthored, kFit };  // kFit: scaled and moved into reach of the device
 
 // What can be touched in a file without any haptic tag: nothing, or all of it with the default material.
@@ -31,6 +33,7 @@ struct AppEntry {
                                  // empty: none, the file is about inputs only
   Placement placement = Placement::kAsAuthored;
   Touch touch = Touch::kTagged;
+  Up up = Up::kY;
   base::Vec3 offset_base_m;
   double scale = 1;
   double force_scale = 1;  // [0, 1]

@@ -126,6 +126,7 @@ json SceneLoad(const Client* loader, const ClientScenes& scenes) {
   const scene::LoadOptions load = scenes.LoadOptionsFor(*loader->app);
   const base::Vec3& offset = load.offset_base_m;
   return {{"touch_untagged", load.touch_untagged},
+          {"up", load.z_up ? "z" : "y"},
           {"fit", load.fit},
           {"scale", load.scale},
           {"offset_base_m", {offset.x, offset.y, offset.z}}};

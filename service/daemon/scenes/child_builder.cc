@@ -149,6 +149,7 @@ class SceneTalk {
     process_.Send(builder::SceneJob{.text_bytes = static_cast<std::uint32_t>(name.size()),
                                     .all_kinematic = options_.all_kinematic,
                                     .touch_untagged = options_.touch_untagged,
+                                    .z_up = options_.z_up,
                                     .fit = options_.fit,
                                     .has_beside = options_.beside != nullptr ? 1U : 0U,
                                     .offset_base_m = {options_.offset_base_m.x, options_.offset_base_m.y,

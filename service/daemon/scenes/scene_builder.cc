@@ -38,6 +38,7 @@ base::Result<std::string> FileOf(const SceneJob& job) {
 
 scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m) {
   return {.touch_untagged = app.touch == config::Touch::kAll,
+          .z_up = app.up == config::Up::kZ,
           .fit = app.placement == config::Placement::kFit,
           .offset_base_m = app.offset_base_m,
           .scale = app.scale,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numbers>
 #include <utility>
 
 #include "service/base/clock.h"
@@ -46,6 +47,7 @@ Trial::Trial(const TrialOptions& options)
 void Trial::ChooseScene(const std::string& path, const std::string& name, bool shipped) {
   SceneFileRequest request{.number = ++requests_, .path = path, .name = name, .fit_untagged = !shipped};
   request.options.hull_radius_m = options_.hull_radius_m;
+  request.options.z_up = options_.z_up && !shipped;
   loads_.Request(std::move(request));
   Lift();
   scene_ = {.number = scene_.number + 1, .revision = scene_.revision + 1, .name = name, .state = SceneState::kLoading};
@@ -113,7 +115,9 @@ void Trial::Place() {
   place.scale = scene_.view->scale;
   const base::Vec3& offset_m = scene_.view->offset_m;
   place.pose.position_m = {offset_m.x, offset_m.y, offset_m.z};
-  if (!(offset_m == base::Vec3{})) connection_.Send(place);
+  const bool z_up = scene_.view->z_up;  // omnid takes a document for y up: a quarter turn about x
+  if (z_up) place.pose.rotation_wxyz = {std::numbers::sqrt2 / 2, -std::numbers::sqrt2 / 2, 0, 0};
+  if (z_up || !(offset_m == base::Vec3{})) connection_.Send(place);
 }
 
 void Trial::HandleUpdates() {

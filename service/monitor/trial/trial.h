@@ -59,6 +59,7 @@ struct TrialOptions {
   std::string hand_path;    // of the twin's hand
   std::string folder;       // for dropped files; only the user may enter it
   double hull_radius_m = 0;
+  bool z_up = false;  // of scenes that are not shipped
   AimLimitOptions aim_limit;
 };
 

@@ -94,10 +94,11 @@ base::Result<SceneView> Load(const std::string& path, const std::string& name, s
   SceneView view{.name = name,
                  .path = path,
                  .touch_untagged = options.touch_untagged,
+                 .z_up = options.z_up,
                  .scale = report.placed_scale,
                  .offset_m = report.placed_offset_m};
   view.materials = MaterialsOf(*input);
-  const auto drawn = scene::LoadDrawnScene(path);
+  const auto drawn = scene::LoadDrawnScene(path, options.z_up);
   const auto objects = drawn.ok() ? ObjectsByName(*input, drawn->parts) : std::map<std::string, std::int32_t>();
   if (!drawn.ok() || (objects.empty() && !input->objects.empty())) {
     for (std::size_t i = 0; i < input->objects.size(); ++i) {

@@ -31,7 +31,7 @@ struct ViewMaterial {
 struct SceneView {
   std::string name;  // for people: "dragon.glb"
   std::string path;
-  bool touch_untagged = false;  // how it was read
+  bool touch_untagged = false, z_up = false;  // how it was read
   std::vector<ViewPart> parts;
   std::vector<ViewMaterial> materials;
   // Where `options` have put it: x_base = scale x + offset_m, x: as authored, in the base frame.

@@ -70,8 +70,10 @@ class Walk {
   std::vector<NodeVisit> Run() {
     const std::vector<std::uint32_t> roots = Roots();
     const auto no_tag = std::make_shared<const HapticTag>();
-    for (auto node = roots.rbegin(); node != roots.rend(); ++node)
-      stack_.push_back({*node, 1, glm::dmat4(1.0), no_tag, false});
+    // (x, y, z) of a file whose z axis is up = (x, z, -y) of one whose y axis is.
+    const glm::dmat4 upright =
+        options_.z_up ? glm::dmat4(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1) : glm::dmat4(1);
+    for (auto node = roots.rbegin(); node != roots.rend(); ++node) stack_.push_back({*node, 1, upright, no_tag, false});
     while (!stack_.empty()) {
       const Pending pending = stack_.back();
       stack_.pop_back();

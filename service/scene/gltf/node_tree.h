@@ -18,7 +18,7 @@ struct NodeVisit {
   std::uint32_t node = 0;
   std::string pointer;  // /nodes/3
   std::string name;
-  glm::dmat4 world{1.0};                       // glTF frame, node -> scene
+  glm::dmat4 world{1.0};                       // node -> scene, whose y axis is up
   std::shared_ptr<const HapticTag> own;        // of this node alone; nullptr: it has none
   std::shared_ptr<const HapticTag> inherited;  // of its ancestors and itself, the nearest wins; never nullptr
   std::optional<std::uint32_t> mesh, skin;

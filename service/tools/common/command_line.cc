@@ -22,6 +22,10 @@ void AddSocket(Command& command, std::string& socket) {
   command.Add("--socket", socket, "control socket (default: $OMNI_SOCKET, else the user's)");
 }
 
+void AddUp(Command& command, std::string& up) {
+  command.Add("--up", up, "the file's axis that is up: y, as glTF says, or z").OneOf({"y", "z"}).ShowDefault();
+}
+
 void AddCommands(console::Program& omni) {
   omni.RequireCommand();
 #define OMNI_ADD(name) Add##name(omni);

@@ -53,6 +53,9 @@ OMNI_COMMANDS(OMNI_DECLARE)
 // --socket of a command that is a client of omnid.
 void AddSocket(Command& command, std::string& socket);
 
+// --up of a command that loads a scene.
+void AddUp(Command& command, std::string& up);
+
 void AddSceneEdits(Command& scene);        // omni scene edits, undo, redo, save
 void AddSceneRecover(Command& scene);      // omni scene recover
 void AddTwinHand(Command& twin);           // omni twin hand

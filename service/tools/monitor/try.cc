@@ -27,6 +27,7 @@ constexpr const char* kTryCommand = "omni try";
 
 struct TryArguments {
   std::string scene = "extrusion";
+  std::string up = "y";
   int port = 0;
   bool open = true;
   double seconds = std::numeric_limits<double>::infinity();
@@ -83,6 +84,7 @@ int Try(const TryArguments& arguments) {
                                                                       .hand_path = (*service)->hand(),
                                                                       .folder = (*service)->folder(),
                                                                       .hull_radius_m = device.hull_radius_m,
+                                                                      .z_up = arguments.up == "z",
                                                                       .aim_limit = limit});
   trial->ChooseScene(*scene, std::filesystem::path(*scene).filename().string(), shipped);
   const auto monitor = monitor::Monitor::Start(options, std::move(trial));
@@ -109,6 +111,7 @@ void AddTry(Command& app) {
   auto arguments = std::make_shared<TryArguments>();
   Command command = app.AddCommand("try", "try Omni without hardware: a page on which the mouse is the hand");
   command.Add("scene", arguments->scene, "name of a scene (extrusion, dragon, racetrack) or a .glb file").ShowDefault();
+  AddUp(command, arguments->up);
   command.Add("--port", arguments->port, "of 127.0.0.1 (default: any that is free)").Range(1, 65535);
   command.Add("!--no-open", arguments->open, "do not open a browser");
   command.Add("--seconds", arguments->seconds, "end after this many seconds (default: at Ctrl-C)").Positive();

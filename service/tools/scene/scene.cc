@@ -56,6 +56,7 @@ namespace {
 
 struct ExplainArguments {
   std::string scene;
+  std::string up = "y";
   bool fit = false;
   bool touch_all = false;
   bool as_json = false;
@@ -68,6 +69,7 @@ int Explain(const ExplainArguments& arguments) {
   if (!path.ok()) return FailWith(arguments.as_json, "omni scene explain", path.error());
   const base::Result<LoadedScene> loaded = LoadScene(*path,
                                                      {.touch_untagged = arguments.fit || arguments.touch_all,
+                                                      .z_up = arguments.up == "z",
                                                       .fit = arguments.fit,
                                                       .hull_radius_m = config::DefaultDevice().hull_radius_m},
                                                      !arguments.no_cache);
@@ -113,6 +115,7 @@ void AddScene(Command& app) {
       scene.AddCommand("explain", "show what of a glTF file is loaded, what is not and why, and its cost");
   explain.Add("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
   explain.Add("--fit", arguments->fit, "scale and move the model into reach, as placement = \"fit\" does");
+  AddUp(explain, arguments->up);
   explain.Add("--touch-all", arguments->touch_all,
               "make a file without haptic tags touchable everywhere (--fit does too)");
   explain.Add("--json", arguments->as_json, "as JSON");

@@ -23,7 +23,7 @@ constexpr double kReachForTouches_m = 0.010;  // from the z axis: where the devi
 constexpr int kTouchPlaces = 8;
 
 struct HandArguments {
-  std::string scene, hand, socket;
+  std::string scene, hand, socket, up = "y";
   double patience_s = 90;
   bool fit = false, touch_all = false;
 };
@@ -70,7 +70,9 @@ int TwinHand(const HandArguments& arguments) {
   const base::Result<std::string> found = FindScene(arguments.scene);
   if (!found.ok()) return Fail(kHandCommand, found.error());
   const std::string& path = *found;
-  const auto loaded = LoadScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
+  const auto loaded = LoadScene(
+      path,
+      {.touch_untagged = arguments.fit || arguments.touch_all, .z_up = arguments.up == "z", .fit = arguments.fit});
   if (!loaded.ok()) return Fail(kHandCommand, loaded.error());
   const auto intent = IntentFor(
       loaded->scene,
@@ -90,6 +92,7 @@ void AddTwinHand(Command& twin) {
   hand.Add("--hand", arguments->hand, "the socket of `omnid --device twin --twin-hand`").Required();
   hand.Add("--patience", arguments->patience_s, "give up after this many seconds").Range(1.0, 3600.0).ShowDefault();
   AddSocket(hand, arguments->socket);
+  AddUp(hand, arguments->up);
   hand.Add("--fit", arguments->fit, "the application's scene is scaled and moved into reach");
   hand.Add("--touch-all", arguments->touch_all,
            "the scene has no haptic tags and is touchable everywhere (--fit does too)");

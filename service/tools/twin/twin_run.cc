@@ -34,6 +34,7 @@ constexpr double kTicksShown = 500;  // between two updates of the progress
 
 struct RunArguments {
   std::string scene;
+  std::string up = "y";
   std::string hand;
   std::string record;
   bool replace = false;
@@ -50,7 +51,7 @@ struct RunArguments {
 };
 
 struct PathArguments {
-  std::string scene, output;
+  std::string scene, output, up = "y";
   bool calibration = false;
   bool fit = false, touch_all = false;
 };
@@ -143,7 +144,9 @@ int RunTwin(const RunArguments& arguments) {
   const base::Result<std::string> found = FindScene(arguments.scene);
   if (!found.ok()) return Fail("omni twin run", found.error());
   const std::string& path = *found;
-  auto loaded = LoadLiveScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
+  auto loaded = LoadLiveScene(
+      path,
+      {.touch_untagged = arguments.fit || arguments.touch_all, .z_up = arguments.up == "z", .fit = arguments.fit});
   if (!loaded.ok()) return Fail("omni twin run", loaded.error());
   for (const std::string& line : loaded->live.lines) Fail("omni twin run", path + ": " + line);
   auto hand = HandFor(arguments, path, loaded->scene);
@@ -217,7 +220,9 @@ base::Result<sim::HandScript> PathFor(const PathArguments& arguments) {
   const base::Result<std::string> found = FindScene(arguments.scene);
   if (!found.ok()) return base::Error{found.error()};
   const std::string& path = *found;
-  auto loaded = LoadScene(path, {.touch_untagged = arguments.fit || arguments.touch_all, .fit = arguments.fit});
+  auto loaded = LoadScene(
+      path,
+      {.touch_untagged = arguments.fit || arguments.touch_all, .z_up = arguments.up == "z", .fit = arguments.fit});
   if (!loaded.ok()) return base::Error{loaded.error()};
   auto hand = MakeHandPath(loaded->scene, {.places = {.hull_radius_m = config::DefaultDevice().hull_radius_m}});
   if (!hand.ok()) return base::Error{path + ": " + hand.error()};
@@ -252,6 +257,7 @@ void AddTwin(Command& app) {
       run.Add("--calibration", arguments->calibration,
               "calibration.toml of `omni calibrate` with the same seed; default: computed once and cached");
   run.Add("--as-drawn", arguments->as_drawn, "use the nominal geometry, without a calibration").Excludes(calibration);
+  AddUp(run, arguments->up);
   run.Add("--fit", arguments->fit, "scale and move the model into reach");
   run.Add("--touch-all", arguments->touch_all, "make a file without haptic tags touchable everywhere (--fit does too)");
   run.Add("--flip-coil-sign", arguments->flip_coil_sign, "wire coil z backwards (a fault, for tests)");
@@ -265,6 +271,7 @@ void AddTwin(Command& app) {
   path.Add("--calibration", path_arguments->calibration,
            "what a person does for omni calibrate instead; needs no scene");
   path.Add("--output,-o", path_arguments->output, "hand script to write").Required();
+  AddUp(path, path_arguments->up);
   path.Add("--fit", path_arguments->fit, "scale and move the model into reach");
   path.Add("--touch-all", path_arguments->touch_all,
            "make a file without haptic tags touchable everywhere (--fit does too)");
