@@ -22,6 +22,7 @@
 #include "service/scene/gltf/instances.h"
 #include "service/scene/gltf/json_reading.h"
 #include "service/scene/gltf/mesh_requests.h"
+#include "service/scene/gltf/meshopt_view.h"
 #include "service/scene/gltf/node_tree.h"
 #include "service/scene/join_objects.h"
 #include "service/scene/reach.h"
@@ -87,6 +88,7 @@ class SceneReader::Loader {
         ++i;
       }
     }
+    if (!touched_.empty()) counts.mesh_bytes += MeshoptBytes(file_.root());
     for (const NodeVisit* node : touched_) counts.objects.push_back(CountObject(*node, counts));
     return counts;
   }

@@ -233,9 +233,7 @@ GltfFile::Buffer& GltfFile::OpenBuffer(std::uint32_t index) {
   const std::string uri = FindString(json, pointer, "uri", "");
   if (uri.empty()) {
     if (index != 0 || !has_bin_) {
-      throw LoadError(pointer,
-                      "has no data: no uri and no BIN chunk that belongs to it (a fallback of a compression "
-                      "extension?); export without compression");
+      throw LoadError(pointer, "has no data: no uri and no BIN chunk that belongs to it; export the file again");
     }
     if (buffer.length > bin_length_) {
       throw LoadError(
@@ -254,6 +252,15 @@ GltfFile::Buffer& GltfFile::OpenBuffer(std::uint32_t index) {
     OpenExternal(uri, JoinPointer(pointer, "uri"), buffer);
   }
   return buffers_.emplace(index, std::move(buffer)).first->second;
+}
+
+bool GltfFile::HasBuffer(std::uint32_t index) {
+  try {
+    OpenBuffer(index);
+    return true;
+  } catch (const LoadError&) {
+    return false;
+  }
 }
 
 std::vector<unsigned char> GltfFile::ReadImage(std::uint32_t index, std::uint64_t max_bytes) {

@@ -30,6 +30,9 @@ class GltfFile {
   // The stored bytes of image `image`: of a bufferView, a data URI or a file beside the document. Throws LoadError.
   std::vector<unsigned char> ReadImage(std::uint32_t image, std::uint64_t max_bytes);
 
+  // Whether there are bytes for a buffer: a fallback of compressed data may have none.
+  bool HasBuffer(std::uint32_t buffer);
+
   // Bytes [offset, offset + count) of buffer `buffer`. Throws LoadError when they are not there.
   void ReadBuffer(std::uint32_t buffer, std::uint64_t offset, void* to, std::size_t count);
 

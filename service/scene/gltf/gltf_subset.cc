@@ -9,6 +9,7 @@
 #include "service/haptics/scene/scene.h"
 #include "service/scene/gltf/instances.h"
 #include "service/scene/gltf/json_reading.h"
+#include "service/scene/gltf/view_bytes.h"
 
 namespace omni::scene {
 namespace {
@@ -60,13 +61,8 @@ std::size_t ComponentBytes(std::uint64_t type) {
 
 namespace {
 
-constexpr std::uint64_t kMaxOffset = 1ull << 40;
 constexpr std::uint64_t kMaxElements = 3ull * haptics::kMaxTriangles;  // of one accessor
-constexpr std::uint64_t kMaxPackedBytes = 1ull << 30;
-// Accessors may share bytes, as those of interleaved vertices do: each attribute reaches over all of them. A file whose
-// accessors share more than a handful of attributes can would be far larger in memory than on disk.
-constexpr std::uint64_t kMaxShares = 6;
-constexpr std::size_t kMaxInfluenceSets = 8;    // JOINTS_0 to JOINTS_7: 32 joints per vertex
+constexpr std::size_t kMaxInfluenceSets = 8;                           // JOINTS_0 to JOINTS_7: 32 joints per vertex
 constexpr std::uint64_t kMaxZeros = 1'000'000;  // elements of accessors without data, which cost a file nothing
 
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
@@ -82,84 +78,16 @@ bool Requires(const Json& root, std::string_view extension) {
                                  [extension](const Json& name) { return name.text() == extension; });
 }
 
-// Byte ranges of the original buffers, one after another. A range requested twice is read once.
-class Packer {
- public:
-  explicit Packer(GltfFile& file) : file_(file) {}
-
-  // Where `bytes` bytes at `offset` of bufferView `view` are now.
-  std::size_t Add(std::uint32_t view, const std::string& pointer, std::uint64_t offset, std::uint64_t bytes) {
-    const Json& json = ElementOf(file_.root(), "bufferViews", view);
-    const std::string view_pointer = JoinPointer("/bufferViews", view);
-    CheckUncompressed(json, view_pointer);
-    const auto buffer = ReadIndex(json, view_pointer, "buffer", CountOf(file_.root(), "buffers"));
-    if (!buffer) throw LoadError(JoinPointer(view_pointer, "buffer"), "is missing");
-    const std::uint64_t view_offset = ReadInteger(json, view_pointer, "byteOffset", kMaxOffset, 0);
-    const std::uint64_t view_length = ReadInteger(json, view_pointer, "byteLength", kMaxOffset, std::nullopt);
-    if (!(offset <= view_length && bytes <= view_length - offset)) {
-      throw LoadError(pointer, "needs " + std::to_string(bytes) + " bytes at " + std::to_string(offset) + " of " +
-                                   view_pointer + ", which has " + std::to_string(view_length) +
-                                   "; count, byteOffset or byteStride is wrong");
-    }
-    const Key key{*buffer, view_offset + offset, bytes};
-    if (const auto found = places_.find(key); found != places_.end()) return found->second;
-    return places_[key] = Read(key);
-  }
-
-  std::vector<unsigned char> TakeBytes() { return std::move(bytes_); }
-  std::uint64_t fresh_bytes() { return std::exchange(fresh_bytes_, 0); }
-
- private:
-  struct Key {
-    std::uint32_t buffer;
-    std::uint64_t offset, bytes;
-    auto operator<=>(const Key&) const = default;  // NOLINT(modernize-use-nullptr): seen in generated code
-  };
-
-  static void CheckUncompressed(const Json& view, const std::string& pointer) {
-    const Json* extensions = FindObject(view, pointer, "extensions");
-    for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-      if (extensions && FindMember(*extensions, name)) {
-        throw LoadError(pointer,
-                        std::string(name) + " is not supported; export without mesh compression (gltfpack: no -c)");
-      }
-    }
-  }
-
-  std::size_t Read(const Key& key) {
-    const std::size_t at = (bytes_.size() + 3) / 4 * 4;
-    // Reads the last byte first: whether the file has these bytes is known before memory is allocated.
-    unsigned char last = 0;
-    if (key.bytes > 0) file_.ReadBuffer(key.buffer, key.offset + key.bytes - 1, &last, 1);
-    const std::uint64_t most = std::min(kMaxPackedBytes, kMaxShares * file_.stored_bytes());
-    if (key.bytes > most - std::min<std::uint64_t>(at, most)) {
-      const std::string why = most == kMaxPackedBytes
-                                  ? "the limit; simplify the model"
-                                  : "six times what its files hold: accessors overlap, export it again";
-      throw LoadError("/bufferViews", "the touched meshes need more than " + std::to_string(most) + " bytes, " + why);
-    }
-    bytes_.resize(at + static_cast<std::size_t>(key.bytes));
-    file_.ReadBuffer(key.buffer, key.offset, bytes_.data() + at, static_cast<std::size_t>(key.bytes));
-    fresh_bytes_ += key.bytes;
-    return at;
-  }
-
-  GltfFile& file_;
-  std::map<Key, std::size_t> places_;
-  std::vector<unsigned char> bytes_;
-  std::uint64_t fresh_bytes_ = 0;
-};
-
 class SubsetBuilder {
  public:
-  explicit SubsetBuilder(GltfFile& file) : file_(file), packer_(file), draco_required_(Requires(file.root(), kDraco)) {}
+  explicit SubsetBuilder(GltfFile& file) : file_(file), views_(file), draco_required_(Requires(file.root(), kDraco)) {}
 
   Subset Run(const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced,
              std::vector<SkinRequest> skins) {
     for (SkinRequest& skin : skins) AddSkin(std::move(skin));
     for (std::size_t i = 0; i < meshes.size(); ++i) AddMesh(meshes[i], i);
     for (const std::uint32_t node : instanced) AddInstances(node);
-    subset_.bytes = packer_.TakeBytes();
+    subset_.bytes = views_.TakeBytes();
     return std::move(subset_);
   }
 
@@ -215,7 +143,7 @@ class SubsetBuilder {
     AddMorph(json, request.morph, *position, primitive);
     if (request.skin) AddInfluences(*attributes, *position, *request.skin, primitive);
     if (request.paint) AddPaint(*attributes, *position, primitive);
-    primitive.bytes = packer_.fresh_bytes();
+    primitive.bytes = views_.fresh_bytes();
   }
 
   // A primitive without targets stays as it is.
@@ -272,7 +200,7 @@ class SubsetBuilder {
                                                                          " joints; export the file again");
       }
     }
-    packer_.fresh_bytes();
+    views_.fresh_bytes();
     subset_.skins.push_back(std::move(skin));
   }
 
@@ -323,7 +251,7 @@ class SubsetBuilder {
     instances.translation = add("TRANSLATION", kVector);
     instances.rotation = add("ROTATION", kRotation);
     instances.scale = add("SCALE", kVector);
-    packer_.fresh_bytes();
+    views_.fresh_bytes();
     subset_.instances.push_back(instances);
   }
 
@@ -364,7 +292,7 @@ class SubsetBuilder {
     const auto view = ReadIndex(json, pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
     if (!view) return AddZeros(pointer, packed);
     const std::uint64_t element = ElementBytes(packed);
-    const std::uint64_t offset = ReadInteger(json, pointer, "byteOffset", kMaxOffset, 0);
+    const std::uint64_t offset = ReadInteger(json, pointer, "byteOffset", kMaxViewOffset, 0);
     const Json& view_json = ElementOf(file_.root(), "bufferViews", *view);
     const std::uint64_t stride = ReadInteger(view_json, JoinPointer("/bufferViews", *view), "byteStride", 252, 0);
     if (!(stride == 0 || (stride >= element && stride % 4 == 0))) {
@@ -375,7 +303,7 @@ class SubsetBuilder {
     packed.zeros = false;
     packed.stride = static_cast<std::size_t>(stride == 0 ? element : stride);
     const std::uint64_t bytes = packed.count == 0 ? 0 : packed.stride * (packed.count - 1) + element;
-    packed.offset = packer_.Add(*view, pointer, offset, bytes);
+    packed.offset = views_.Add(*view, pointer, offset, bytes);
   }
 
   // Without data all elements are zero   [glTF 2.0, 3.6.2.1]
@@ -402,8 +330,8 @@ class SubsetBuilder {
       const Json& part_json = *FindMember(*sparse, part);
       const auto view = ReadIndex(part_json, part_pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
       if (!view) throw LoadError(JoinPointer(part_pointer, "bufferView"), "is missing");
-      const std::uint64_t offset = ReadInteger(part_json, part_pointer, "byteOffset", kMaxOffset, 0);
-      return packer_.Add(*view, part_pointer, offset, element * packed.changed);
+      const std::uint64_t offset = ReadInteger(part_json, part_pointer, "byteOffset", kMaxViewOffset, 0);
+      return views_.Add(*view, part_pointer, offset, element * packed.changed);
     };
     for (const char* part : {"indices", "values"})
       if (!FindObject(*sparse, place, part)) throw LoadError(JoinPointer(place, part), "is missing");
@@ -413,7 +341,7 @@ class SubsetBuilder {
   }
 
   GltfFile& file_;
-  Packer packer_;
+  ViewBytes views_;
   Subset subset_;
   std::map<std::pair<std::uint32_t, Use>, std::size_t> accessor_numbers_;
   std::uint64_t zeros_ = 0;
