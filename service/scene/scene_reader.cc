@@ -16,6 +16,7 @@
 
 #include "service/base/free_memory.h"
 #include "service/haptics/scene/scene.h"
+#include "service/scene/gltf/draco_mesh.h"
 #include "service/scene/gltf/gltf_decode.h"
 #include "service/scene/gltf/gltf_file.h"
 #include "service/scene/gltf/gltf_subset.h"
@@ -78,7 +79,7 @@ class SceneReader::Loader {
     counts.largest_image_samples = images.largest_samples;
     for (const MeshRequest& request : requests_->meshes()) {
       std::size_t i = 0;
-      counts.mesh_bytes += requests_->ShapeBytes(request);
+      counts.mesh_bytes += requests_->ShapeBytes(request) + DracoBytes(file_.root(), request.mesh);
       for (const PrimitiveSize& size : SizesOf(file_.root(), request.mesh)) {
         counts.mesh_triangles += size.triangles;
         counts.mesh_vertices += size.vertices;

@@ -117,6 +117,7 @@ const std::vector<Confined>& ConfinedHeaders() {
       {"tiny_gltf.h", {"tests/scene/decode_judge.cc", "tests/scenes/pen.cc"}},
       {"stb/", {"service/scene/tags/haptic_texture.cc", "tests/bench/haptics/scene_files.cc"}},
       {"meshoptimizer.h", {"service/scene/gltf/meshopt_view.cc", "tests/scene/compressed.h"}},
+      {"draco/", {"service/scene/gltf/draco_mesh.cc", "tests/scene/compressed.h"}},
       {"libusb", {"service/device/usb/libusb_"}},
       {"seccomp.h", {"service/builder/confine.cc"}},
       {"ceres/", {"tests/bench/peers/"}},

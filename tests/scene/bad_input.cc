@@ -151,12 +151,15 @@ TEST(SceneBadInput, ErrorNamesTheInvalidField) {
   }
 }
 
-TEST(SceneBadInput, RejectsDracoIfRequired) {
+// Where it is not required, the plain data is there too.
+TEST(SceneBadInput, DracoDataIsReadIfRequired) {
   Model model = Tetra();
-  model.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}};
+  model.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {
+      {"bufferView", 0}, {"attributes", {{"POSITION", 0}}}};
   EXPECT_TRUE(LoadBytes(model.Bytes()).result.ok());
   model.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
-  ExpectRefused(LoadBytes(model.Bytes()), "KHR_draco_mesh_compression is not supported");
+  ExpectRefused(LoadBytes(model.Bytes()),
+                "/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression: its data is no Draco mesh");
 }
 
 TEST(SceneBadInput, RejectsNonFinitePositions) {

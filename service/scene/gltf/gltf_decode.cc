@@ -259,6 +259,7 @@ class Decoder {
     if (!fresh) return place->second;
     const SubsetSkin& skin = subset_.skins[number];
     const Elements* inverse = skin.inverse_bind ? &ElementsOf(*skin.inverse_bind) : nullptr;
+    place->second.reserve(skin.from.joints.size());
     for (std::size_t i = 0; i < skin.from.joints.size(); ++i) {
       Joint joint{.placed = skin.from.joints[i]};
       if (inverse != nullptr) joint.placed *= glm::make_mat4(inverse->At<Elements::Matrix>(i).data());

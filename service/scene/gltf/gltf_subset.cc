@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "service/haptics/scene/scene.h"
+#include "service/scene/gltf/draco_mesh.h"
 #include "service/scene/gltf/instances.h"
 #include "service/scene/gltf/json_reading.h"
 #include "service/scene/gltf/view_bytes.h"
@@ -53,6 +56,11 @@ const ComponentRow& ComponentOf(const Json& parent, const std::string& pointer, 
                   "is " + std::to_string(type) + ", must be " + RowOf(use).allowed);
 }
 
+static bool IsAllowed(std::uint64_t type, Use use) {
+  return std::any_of(std::begin(kComponents), std::end(kComponents),
+                     [&](const ComponentRow& row) { return row.type == type && (row.uses & use) != 0; });
+}
+
 std::size_t ComponentBytes(std::uint64_t type) {
   return std::find_if(std::begin(kComponents), std::end(kComponents),
                       [type](const ComponentRow& row) { return row.type == type; })
@@ -64,8 +72,6 @@ namespace {
 constexpr std::uint64_t kMaxElements = 3ull * haptics::kMaxTriangles;  // of one accessor
 constexpr std::size_t kMaxInfluenceSets = 8;                           // JOINTS_0 to JOINTS_7: 32 joints per vertex
 constexpr std::uint64_t kMaxZeros = 1'000'000;  // elements of accessors without data, which cost a file nothing
-
-constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
 const char* ModeName(std::uint64_t mode) {
   constexpr const char* kNames[] = {"points", "lines", "a line loop", "a line strip"};
@@ -80,7 +86,8 @@ bool Requires(const Json& root, std::string_view extension) {
 
 class SubsetBuilder {
  public:
-  explicit SubsetBuilder(GltfFile& file) : file_(file), views_(file), draco_required_(Requires(file.root(), kDraco)) {}
+  explicit SubsetBuilder(GltfFile& file)
+      : file_(file), views_(file), draco_required_(Requires(file.root(), kDracoExtension)) {}
 
   Subset Run(const std::vector<MeshRequest>& meshes, const std::vector<std::uint32_t>& instanced,
              std::vector<SkinRequest> skins) {
@@ -125,19 +132,21 @@ class SubsetBuilder {
       primitive.skipped = "has no POSITION";
       return;
     }
-    CheckDraco(json, primitive.pointer, *position);
     primitive.accessor = *position;
     primitive.mode = mode;
-    primitive.positions = AddAccessor(*position, kPosition);
-    if (const auto indices = ReadIndex(json, primitive.pointer, "indices", accessors))
-      primitive.indices = AddAccessor(*indices, kIndex);
+    draco_ = {};
+    if (const Json* compressed = CompressedOf(json, primitive.pointer, *position))
+      BeginDraco(*compressed, json, *position, primitive);
+    primitive.positions = AddAttribute("POSITION", *position, kPosition);
+    const auto indices = ReadIndex(json, primitive.pointer, "indices", accessors);
+    if (indices && !primitive.indices) primitive.indices = AddAccessor(*indices, kIndex);
     for (std::size_t set = 0; set < haptics::kMaxUvSets; ++set) {
       if ((uv_sets >> set & 1) == 0) continue;
       const std::string name = "TEXCOORD_" + std::to_string(set);
       const auto uv = ReadIndex(*attributes, JoinPointer(primitive.pointer, "attributes"), name.c_str(), accessors);
       if (!uv) continue;
       CheckCount(*uv, *position, JoinPointer(JoinPointer(primitive.pointer, "attributes"), name));
-      primitive.uv[set] = AddAccessor(*uv, kUv);
+      primitive.uv[set] = AddAttribute(name, *uv, kUv);
       primitive.uv_sets = static_cast<std::uint8_t>(primitive.uv_sets | 1U << set);
     }
     AddMorph(json, request.morph, *position, primitive);
@@ -181,7 +190,8 @@ class SubsetBuilder {
         throw LoadError(JoinPointer(pointer, joints_name), "is beyond the limit of " + std::to_string(set) +
                                                                " sets of joints; export with fewer per vertex");
       }
-      primitive.influences.emplace_back(AddAccessor(*joints, kJoints), AddAccessor(*weights, kWeights));
+      primitive.influences.emplace_back(AddAttribute(joints_name, *joints, kJoints),
+                                        AddAttribute(weights_name, *weights, kWeights));
     }
     if (!primitive.influences.empty()) primitive.skin = skin;
   }
@@ -214,22 +224,23 @@ class SubsetBuilder {
     };
     const bool moved = !primitive.morph.empty() || primitive.skin;  // normals are of the shape as stored
     const auto normals = moved ? std::nullopt : find("NORMAL");
-    if (normals) primitive.normals = AddAccessor(*normals, kNormal);
+    if (normals) primitive.normals = AddAttribute("NORMAL", *normals, kNormal);
     if (const auto colours = find("COLOR_0")) {
       const Json& json = ElementOf(file_.root(), "accessors", *colours);
       const bool four = FindString(json, JoinPointer("/accessors", *colours), "type", "") == "VEC4";
-      primitive.colours = AddAccessor(*colours, four ? kColour4 : kColour3);
+      primitive.colours = AddAttribute("COLOR_0", *colours, four ? kColour4 : kColour3);
     }
   }
 
+  std::uint64_t ElementCount(std::uint32_t accessor) {
+    return ReadInteger(ElementOf(file_.root(), "accessors", accessor), JoinPointer("/accessors", accessor), "count",
+                       kMaxElements, std::nullopt);
+  }
+
   void CheckCount(std::uint32_t accessor, std::uint32_t as_many_as, const std::string& pointer) {
-    const auto count = [&](std::uint32_t index) {
-      return ReadInteger(ElementOf(file_.root(), "accessors", index), JoinPointer("/accessors", index), "count",
-                         kMaxElements, std::nullopt);
-    };
-    if (count(accessor) != count(as_many_as)) {
-      throw LoadError(pointer, "has " + std::to_string(count(accessor)) + " elements, must have " +
-                                   std::to_string(count(as_many_as)));
+    const std::uint64_t own = ElementCount(accessor), others = ElementCount(as_many_as);
+    if (own != others) {
+      throw LoadError(pointer, "has " + std::to_string(own) + " elements, must have " + std::to_string(others));
     }
   }
 
@@ -255,13 +266,82 @@ class SubsetBuilder {
     subset_.instances.push_back(instances);
   }
 
-  // Without the extension in extensionsRequired a document carries the plain data as well, and that is read.
-  void CheckDraco(const Json& primitive, const std::string& pointer, std::uint32_t position) {
+  // Null: the primitive is not compressed, or the document carries the plain data as well, which it may where it does
+  // not require the extension; that is read then.
+  const Json* CompressedOf(const Json& primitive, const std::string& pointer, std::uint32_t position) {
     const Json* extensions = FindObject(primitive, pointer, "extensions");
-    if (!extensions || !FindMember(*extensions, kDraco)) return;
-    if (draco_required_ || !FindMember(ElementOf(file_.root(), "accessors", position), "bufferView")) {
-      throw LoadError(pointer, std::string(kDraco) + " is not supported; export without mesh compression");
+    const Json* compressed =
+        extensions ? FindObject(*extensions, JoinPointer(pointer, "extensions"), kDracoExtension) : nullptr;
+    if (!compressed) return nullptr;
+    const bool plain = FindMember(ElementOf(file_.root(), "accessors", position), "bufferView") != nullptr;
+    return draco_required_ || !plain ? compressed : nullptr;
+  }
+
+  // Decodes the primitive's stream, once; its attributes come from it until the next primitive.
+  void BeginDraco(const Json& compressed, const Json& json, std::uint32_t position, SubsetPrimitive& primitive) {
+    draco_.pointer = JoinPointer(JoinPointer(primitive.pointer, "extensions"), kDracoExtension);
+    const auto view = ReadIndex(compressed, draco_.pointer, "bufferView", CountOf(file_.root(), "bufferViews"));
+    if (!view) throw LoadError(JoinPointer(draco_.pointer, "bufferView"), "is missing");
+    draco_.view = *view;
+    draco_.attributes = FindObject(compressed, draco_.pointer, "attributes");
+    if (!draco_.attributes) throw LoadError(JoinPointer(draco_.pointer, "attributes"), "is missing");
+    const auto indices = ReadIndex(json, primitive.pointer, "indices", CountOf(file_.root(), "accessors"));
+    if (!indices)
+      throw LoadError(JoinPointer(primitive.pointer, "indices"), "is missing, and compressed meshes have it");
+    const std::uint64_t corners = ElementCount(*indices), vertices = ElementCount(position);
+    if (primitive.mode != 4 || corners % 3 != 0) {
+      throw LoadError(primitive.pointer, "has " + std::to_string(corners) + " indices in mode " +
+                                             std::to_string(primitive.mode) +
+                                             "; compressed meshes are read as triangles (mode 4)");
     }
+    const auto [mesh, fresh] = draco_meshes_.try_emplace(draco_.view);
+    if (fresh) {
+      views_.CheckRoom(draco_.pointer, 4 * corners + 12 * vertices);
+      mesh->second.mesh =
+          std::make_unique<DracoMesh>(draco_.pointer, views_.ReadStored(draco_.view), corners / 3, vertices);
+      SubsetAccessor run{.component = 5125, .count = static_cast<std::size_t>(corners), .zeros = false, .stride = 4};
+      run.offset = views_.Reserve(draco_.pointer, 4 * corners);
+      mesh->second.mesh->CopyCorners(views_.data(run.offset));
+      subset_.accessors.push_back(run);
+      mesh->second.corners = subset_.accessors.size() - 1;
+    }
+    draco_.mesh = mesh->second.mesh.get();
+    if (draco_.mesh->triangles() != corners / 3 || draco_.mesh->vertices() != vertices)
+      throw LoadError(draco_.pointer, "is used by primitives whose accessors have different counts");
+    primitive.indices = mesh->second.corners;
+  }
+
+  // An attribute of the present primitive: out of its compressed stream if it has one that has it.
+  std::size_t AddAttribute(const std::string& name, std::uint32_t accessor, Use use) {
+    const auto number =
+        draco_.mesh ? ReadIndex(*draco_.attributes, JoinPointer(draco_.pointer, "attributes"), name.c_str(), 1ull << 32)
+                    : std::nullopt;
+    if (!number) return AddAccessor(accessor, use);
+    const auto [place, fresh] = draco_numbers_.try_emplace({draco_.view, *number, accessor, use});
+    if (!fresh) return place->second;
+    const std::string pointer = JoinPointer(JoinPointer(draco_.pointer, "attributes"), name);
+    const auto found = draco_.mesh->Find(*number);
+    if (!found || found->width != RowOf(use).components || !IsAllowed(found->component, use)) {
+      throw LoadError(pointer, "is " + std::to_string(*number) +
+                                   ", and its data has no such attribute of this type; "
+                                   "export the file again");
+    }
+    const std::size_t element = found->width * ComponentBytes(found->component);
+    SubsetAccessor packed{.component = found->component, .width = found->width, .zeros = false, .stride = element};
+    packed.normalized = IsNormalized(ElementOf(file_.root(), "accessors", accessor),
+                                     JoinPointer("/accessors", accessor), found->component);
+    packed.count = static_cast<std::size_t>(draco_.mesh->vertices());
+    packed.offset = views_.Reserve(draco_.pointer, element * draco_.mesh->vertices());
+    draco_.mesh->CopyAttribute(*number, views_.data(packed.offset));
+    subset_.accessors.push_back(packed);
+    return place->second = subset_.accessors.size() - 1;
+  }
+
+  static bool IsNormalized(const Json& accessor, const std::string& pointer, std::uint64_t component) {
+    const Json* normalized = FindMember(accessor, "normalized");
+    if (normalized && !normalized->is_boolean())
+      throw LoadError(JoinPointer(pointer, "normalized"), "must be true or false");
+    return normalized && normalized->boolean() && component != 5126;
   }
 
   std::size_t AddAccessor(std::uint32_t index, Use use) {
@@ -274,12 +354,9 @@ class SubsetBuilder {
     if (FindString(json, pointer, "type", "") != type)
       throw LoadError(JoinPointer(pointer, "type"), std::string("must be ") + type);
     const std::uint64_t count = ReadInteger(json, pointer, "count", kMaxElements, std::nullopt);
-    const Json* normalized = FindMember(json, "normalized");
-    if (normalized && !normalized->is_boolean())
-      throw LoadError(JoinPointer(pointer, "normalized"), "must be true or false");
     SubsetAccessor packed;
     packed.component = component.type;
-    packed.normalized = normalized && normalized->boolean() && component.type != 5126;
+    packed.normalized = IsNormalized(json, pointer, component.type);
     packed.width = RowOf(use).components;
     packed.count = static_cast<std::size_t>(count);
     AddData(json, pointer, packed);
@@ -346,6 +423,18 @@ class SubsetBuilder {
   std::map<std::pair<std::uint32_t, Use>, std::size_t> accessor_numbers_;
   std::uint64_t zeros_ = 0;
   const bool draco_required_;
+  struct DracoStream {
+    std::unique_ptr<DracoMesh> mesh;
+    std::size_t corners = 0;  // accessor of the subset
+  };
+  std::map<std::uint32_t, DracoStream> draco_meshes_;  // by bufferView
+  std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, Use>, std::size_t> draco_numbers_;
+  struct {
+    const DracoMesh* mesh = nullptr;  // null: the present primitive is not compressed
+    const Json* attributes = nullptr;
+    std::string pointer;
+    std::uint32_t view = 0;
+  } draco_;
 };
 
 }  // namespace

@@ -63,6 +63,7 @@ std::size_t MeshRequests::SkinOf(std::uint32_t skin) {
                                " joints; apply the armature before exporting");
   }
   SkinRequest request{.skin = skin, .joints = {}};
+  request.joints.reserve(joints->elements().size());
   for (std::size_t i = 0; i < joints->elements().size(); ++i) {
     const std::uint32_t node = IndexIn(joints->elements()[i], JoinPointer(place, i), by_node_.size());
     if (by_node_[node] == nullptr) {
