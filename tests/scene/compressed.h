@@ -2,10 +2,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include <draco/compression/encode.h>
 #include <meshoptimizer.h>
 
 #include "tests/scene/files.h"
@@ -73,6 +76,75 @@ inline Model MeshoptTetra(bool triangles = true, std::size_t index_stride = 2) {
   Compress(model, 1, MeshoptIndices({indices.begin(), indices.end()}, triangles), 12, index_stride,
            triangles ? "TRIANGLES" : "INDICES");
   model.json["accessors"][1]["componentType"] = index_stride == 2 ? 5123 : 5125;
+  return model;
+}
+
+struct DracoAttribute {
+  const char* name = "";  // of glTF
+  draco::GeometryAttribute::Type type = draco::GeometryAttribute::GENERIC;
+  draco::DataType data = draco::DT_FLOAT32;
+  int width = 3;
+  std::string bytes;
+};
+
+inline std::string EncodeDraco(const std::vector<std::array<std::uint32_t, 3>>& triangles, std::size_t vertices,
+                               const std::vector<DracoAttribute>& attributes, bool edgebreaker, int position_bits = 0) {
+  draco::Mesh mesh;
+  mesh.SetNumFaces(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    draco::Mesh::Face face;
+    for (std::size_t k = 0; k < 3; ++k) face[k] = draco::PointIndex(triangles[i][k]);
+    mesh.SetFace(draco::FaceIndex(static_cast<std::uint32_t>(i)), face);
+  }
+  mesh.set_num_points(static_cast<std::uint32_t>(vertices));
+  for (const DracoAttribute& attribute : attributes) {
+    draco::GeometryAttribute made;
+    const std::int64_t stride = draco::DataTypeLength(attribute.data) * attribute.width;
+    made.Init(attribute.type, nullptr, static_cast<std::uint8_t>(attribute.width), attribute.data, false, stride, 0);
+    const int number = mesh.AddAttribute(made, true, static_cast<std::uint32_t>(vertices));
+    for (std::size_t i = 0; i < vertices; ++i) {
+      mesh.attribute(number)->SetAttributeValue(draco::AttributeValueIndex(static_cast<std::uint32_t>(i)),
+                                                &attribute.bytes[i * static_cast<std::size_t>(stride)]);
+    }
+  }
+  draco::Encoder encoder;
+  encoder.SetEncodingMethod(edgebreaker ? draco::MESH_EDGEBREAKER_ENCODING : draco::MESH_SEQUENTIAL_ENCODING);
+  if (position_bits > 0) encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, position_bits);
+  draco::EncoderBuffer buffer;
+  if (!encoder.EncodeMeshToBuffer(mesh, &buffer).ok()) std::abort();
+  return {buffer.data(), buffer.size()};
+}
+
+// The first primitive's data is `encoded`, and nothing of it plain any more; its attributes are numbered as listed.
+inline void UseDraco(Model& model, const std::string& encoded, const std::vector<DracoAttribute>& attributes) {
+  Json& primitive = model.json["meshes"][0]["primitives"][0];
+  Json numbers = Json::object();
+  for (std::size_t i = 0; i < attributes.size(); ++i) {
+    numbers[attributes[i].name] = i;
+    model.json["accessors"][primitive["attributes"][attributes[i].name].get<std::size_t>()].erase("bufferView");
+  }
+  model.json["accessors"][primitive["indices"].get<std::size_t>()].erase("bufferView");
+  model.json["bufferViews"].push_back(
+      {{"buffer", 0}, {"byteOffset", Append(model, encoded)}, {"byteLength", encoded.size()}});
+  primitive["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", model.json["bufferViews"].size() - 1},
+                                                           {"attributes", numbers}};
+  model.json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
+  model.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+}
+
+inline DracoAttribute TetraDracoPositions() {
+  return {"POSITION", draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, Bytes(TetraPositions())};
+}
+
+inline std::vector<std::array<std::uint32_t, 3>> TetraTriangles() {
+  return {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+}
+
+inline Model DracoTetra(bool edgebreaker, int position_bits = 0) {
+  Model model = Tetra();
+  model.bin.clear();
+  UseDraco(model, EncodeDraco(TetraTriangles(), 4, {TetraDracoPositions()}, edgebreaker, position_bits),
+           {TetraDracoPositions()});
   return model;
 }
 

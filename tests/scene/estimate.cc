@@ -10,6 +10,7 @@
 #include "service/scene/build_estimate.h"
 #include "service/scene/load_scene.h"
 #include "service/scene/scene_reader.h"
+#include "tests/scene/compressed.h"
 #include "tests/scene/files.h"
 #include "tests/support/alloc_probe.h"
 #include "tests/support/bombs.h"
@@ -83,6 +84,63 @@ TEST(BuildEstimate, IsAnUpperBoundForMeshes) {
   };
   check(omni::test::kCleanMesh);
   for (const omni::test::MeshBomb& bomb : omni::test::kMeshBombs) check(bomb);
+}
+
+Model ModelOf(const std::string& glb) {
+  std::uint32_t json_bytes = 0;
+  std::memcpy(&json_bytes, &glb[12], sizeof json_bytes);
+  return {Json::parse(glb.substr(20, json_bytes)), glb.substr(28 + json_bytes)};
+}
+
+// Decoded whole, beside what is made of it.
+TEST(BuildEstimate, IsAnUpperBoundForCompressedMeshes) {
+  if (!omni::test::kMemoryCounts) GTEST_SKIP() << "the sanitizer takes memory of its own";
+  const TempFolder folder;
+  const auto soup = omni::test::meshes::CleanBall(60'000);
+  const std::size_t vertices = soup.vertices_base_m.size();
+  const Model plain = ModelOf(omni::test::MeshFile(soup));
+  const std::string positions = plain.bin.substr(0, 12 * vertices);
+  std::vector<unsigned> corners;
+  for (const auto& triangle : soup.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
+  Model meshopt = plain;
+  meshopt.bin.clear();
+  Compress(meshopt, 0, MeshoptVertices(positions, 12), vertices, 12, "ATTRIBUTES");
+  Compress(meshopt, 1, MeshoptIndices(corners, true), corners.size(), 4, "TRIANGLES");
+  ExpectBound("meshopt", folder.Write("meshopt.glb", meshopt.Bytes()), {}, 50'000);
+  const std::vector<DracoAttribute> attributes{
+      {"POSITION", draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, positions}};
+  for (const bool edgebreaker : {false, true}) {
+    for (const int bits : {0, 14}) {
+      Model compressed = plain;
+      compressed.bin.clear();
+      UseDraco(compressed, EncodeDraco(soup.triangles, vertices, attributes, edgebreaker, bits), attributes);
+      ExpectBound(edgebreaker ? "draco edgebreaker" : "draco sequential", folder.Write("draco.glb", compressed.Bytes()),
+                  {}, 50'000);
+    }
+  }
+}
+
+TEST(BuildEstimate, IsAnUpperBoundForSkinsAndMorphTargets) {
+  if (!omni::test::kMemoryCounts) GTEST_SKIP() << "the sanitizer takes memory of its own";
+  const TempFolder folder;
+  const auto soup = omni::test::meshes::CleanBall(60'000);
+  const std::size_t vertices = soup.vertices_base_m.size();
+  Model model = ModelOf(omni::test::MeshFile(soup));
+  Json& primitive = model.json["meshes"][0]["primitives"][0];
+  for (int target = 0; target < 3; ++target) {
+    const std::size_t moved = AddAccessor(model, std::string(12 * vertices, '\0'),
+                                          {{"componentType", 5126}, {"count", vertices}, {"type", "VEC3"}});
+    primitive["targets"].push_back({{"POSITION", moved}});
+    model.json["meshes"][0]["weights"].push_back(0.5);
+  }
+  ExpectBound("morph targets", folder.Write("morph.glb", model.Bytes()), {}, 50'000);
+  primitive["attributes"]["JOINTS_0"] = AddAccessor(model, std::string(4 * vertices, '\0'),
+                                                    {{"componentType", 5121}, {"count", vertices}, {"type", "VEC4"}});
+  primitive["attributes"]["WEIGHTS_0"] = AddAccessor(model, std::string(16 * vertices, '\0'),
+                                                     {{"componentType", 5126}, {"count", vertices}, {"type", "VEC4"}});
+  model.json["skins"] = Json::array({{{"joints", std::vector<int>(90'000, 0)}}});
+  model.json["nodes"][0]["skin"] = 0;
+  ExpectBound("skin", folder.Write("skin.glb", model.Bytes()), {}, 50'000);
 }
 
 TEST(BuildEstimate, IsAnUpperBoundForShippedScenes) {
