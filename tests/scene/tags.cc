@@ -303,5 +303,22 @@ TEST(SceneTags, SchemaAndDocumentListEnumWords) {
   EXPECT_EQ(SchemaRow(schema.at("properties"), "softness.fibreDirection")->at("minItems"), 3);
 }
 
+TEST(SceneTags, AKeyOfTheWrongCaseIsPointedOut) {
+  for (const char* key : {"Haptic", "HAPTIC", "Haptic.stiffness", "hApTiC.role"}) {
+    Model model = Tetra();
+    model.json["nodes"][0]["extras"][key] = 500;
+    const Loaded loaded = LoadBytes(model.Bytes());
+    EXPECT_NE(
+        loaded.Warnings().find("/nodes/0/extras/" + std::string(key) + ": is no haptic tag: the key is \"haptic\""),
+        std::string::npos)
+        << key << ": " << loaded.Warnings();
+  }
+  for (const char* key : {"haptics", "Haptical", "hap", "Happic", "Hapti"}) {
+    Model model = Tetra();
+    model.json["nodes"][0]["extras"][key] = 500;
+    EXPECT_TRUE(LoadBytes(model.Bytes()).report.warnings.empty()) << key;
+  }
+}
+
 }  // namespace test_scene_tags
 }  // namespace omni::scene::test

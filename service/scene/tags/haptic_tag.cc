@@ -293,12 +293,25 @@ HapticTag ReadNumbers(const Json& object, std::initializer_list<const char*> key
   return read;
 }
 
+// "Haptic": editors complete names as they like, and the tag would be missing without a word.
+static void WarnOfOtherCase(const Json& extras, const std::string& place, Warnings& warnings) {
+  constexpr std::string_view kKey = "haptic";
+  for (const auto& [key, value] : extras.members()) {
+    std::string lower(key.substr(0, kKey.size()));
+    for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const bool whole = key.size() == kKey.size() || (key.size() > kKey.size() && key[kKey.size()] == '.');
+    if (lower != kKey || !whole || key.starts_with(kKey)) continue;
+    warnings.Add(JoinPointer(place, key), "is no haptic tag: the key is \"haptic\", in lower case");
+  }
+}
+
 HapticTag ReadExtras(const Json& owner, const std::string& pointer, Warnings& warnings) {
   HapticTag read;
   const Json* extras = FindMember(owner, "extras");
   if (!extras || !extras->is_object()) return read;
   const std::string place = JoinPointer(pointer, "extras");
   if (const Json* tag = FindMember(*extras, "haptic")) read = ReadTag(*tag, JoinPointer(place, "haptic"), warnings);
+  WarnOfOtherCase(*extras, place, warnings);
   TagReader reader(read, warnings);
   if (const Json* role = FindMember(*extras, "haptic.role")) reader.ReadRole(*role, JoinPointer(place, "haptic.role"));
   for (const auto& [key, value] : extras->members()) {
