@@ -333,7 +333,7 @@ TEST(SceneMorphs, BadMorphsAreRefusedByPlace) {
   refused("/meshes/0/weights", {"a"}, "/meshes/0/weights/0");
   refused("/nodes/0/weights", {1e9}, "/nodes/0/weights/0");
   refused("/nodes/0/weights", 1, "/nodes/0/weights");
-  refused("/nodes/0/weights", std::vector<double>(200, 1), "/nodes/0/weights: has more than 128 weights");
+  refused("/nodes/0/weights", std::vector<double>(200, 1), "/nodes/0/weights: has more than 64 weights");
   refused("/meshes/0/primitives/0/targets/0", {{"POSITION", 1}}, "targets/0/POSITION: has 12 elements");
   refused("/meshes/0/primitives/0/targets/0", {{"POSITION", 9}}, "/meshes/0/primitives/0/targets/0/POSITION");
   refused("/accessors/2/count", 3, "/meshes/0/primitives/0/targets/0/POSITION: has 3 elements, must have 4");

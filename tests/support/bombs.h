@@ -83,6 +83,56 @@ inline std::string Draco(std::size_t n) {
       Mesh(Filled(R"({"attributes":{"POSITION":0},"extensions":{"KHR_draco_mesh_compression":{}}})", n / 2)));
 }
 
+// Each node shows the triangle in a shape of its own, by one of as many weights as fit.
+inline std::string Shapes(std::size_t n) {
+  return Nodes(R"({"mesh":0,"weights":[0.#],"extras":{"haptic":1}})", n / 2,
+               std::string(kTriangle) + R"("meshes":[{"weights":[)" + Filled("0", n / 4) +
+                   R"(],"primitives":[{"attributes":{"POSITION":0},"targets":[)" + Filled(R"({"POSITION":0})", n / 4) +
+                   "]}]}]");
+}
+
+// A mesh whose vertices as many targets move as may have a weight.
+inline std::string Targets(std::size_t n) {
+  const std::size_t vertices = n / 6;
+  return OneNode(ZeroBuffer(3 * vertices) + R"("accessors":[{"bufferView":0,"componentType":5121,"count":)" +
+                 std::to_string(vertices) + R"(,"type":"VEC3"}],"meshes":[{"weights":[)" + List("1", 64) +
+                 R"(],"primitives":[{"attributes":{"POSITION":0},"targets":[)" + List(R"({"POSITION":0})", 64) +
+                 "]}]}]");
+}
+
+// One skin of as many joints as fit, at as many nodes.
+inline std::string Joints(std::size_t n) {
+  const std::string corners =
+      R"("buffers":[{"byteLength":84,"uri":"data:;base64,AAAAAM3MTD0AAAAACtcjPM3MTD0AAAAAAAAAAM3MTD0K1yM8)" +
+      std::string(64, 'A') +
+      R"("}],"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,)"
+      R"("byteLength":48}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},)"
+      R"({"bufferView":1,"componentType":5121,"count":3,"type":"VEC4"},)"
+      R"({"bufferView":1,"componentType":5126,"count":3,"type":"VEC4"}],)";
+  return Nodes(R"({"mesh":0,"skin":0,"extras":{"haptic":1}})", n / 2,
+               corners + R"("skins":[{"joints":[)" + Filled("0", n / 2) + "]}]," +
+                   Mesh(R"({"attributes":{"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":2}})"));
+}
+
+// Primitives that share one stream, which is none; and views that say what they are decoded to.
+inline std::string Streams(std::size_t n) {
+  return OneNode(R"("extensionsRequired":["KHR_draco_mesh_compression"],)" + std::string(kTriangle) +
+                 Mesh(Filled(R"({"attributes":{"POSITION":0},"indices":0,"extensions":{"KHR_draco_mesh_compression":)"
+                             R"({"bufferView":0,"attributes":{"POSITION":0}}}})",
+                             n)));
+}
+
+inline std::string CompressedViews(std::size_t n) {
+  return OneNode(
+      R"("buffers":[{"byteLength":36,"uri":"data:;base64,oAAAAM3MTD0AAAAACtcjPM3MTD0AAAAAAAAAAM3MTD0K1yM8"},)"
+      R"({"byteLength":4096}],"bufferViews":[)" +
+      Filled(R"({"buffer":1,"byteLength":4096,"extensions":{"EXT_meshopt_compression":{"buffer":0,"byteLength":36,)"
+             R"("byteStride":256,"count":4000000,"mode":"ATTRIBUTES"}}})",
+             n) +
+      R"(],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],)" +
+      Mesh(R"({"attributes":{"POSITION":0}})"));
+}
+
 inline std::string TextureEntries(std::size_t n) {
   return Nodes(R"({"mesh":0})", 1,
                R"("extensions":{"MPEG_haptic_material":{"materials":[{"stiffness":[)" + Filled("{}", n) +
@@ -176,6 +226,11 @@ inline const std::array kSceneBombs = {
            return bombs::Gltf(R"("nodes":[{"extras":{"haptic":{)" + bombs::Filled("\"#\":{}", n) + "}}}]");
          }},
     Bomb{"required extensions x Draco primitives", bombs::Draco},
+    Bomb{"nodes x weights of targets", bombs::Shapes},
+    Bomb{"vertices x targets", bombs::Targets},
+    Bomb{"nodes x joints", bombs::Joints},
+    Bomb{"primitives of one stream", bombs::Streams},
+    Bomb{"views that say they are large", bombs::CompressedViews},
     Bomb{"entries of a texture", bombs::TextureEntries},
     Bomb{"primitives that share vertices", bombs::SharedVertices},
     Bomb{"overlapping accessors", bombs::OverlappingAccessors},

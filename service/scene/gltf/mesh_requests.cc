@@ -10,7 +10,7 @@ namespace omni::scene {
 namespace {
 
 constexpr std::uint64_t kMaxJoints = 100'000;  // of all skins: each takes two matrices
-constexpr std::size_t kMaxMorphs = 128;        // targets with a weight, of one mesh: each moves all of its vertices
+constexpr std::size_t kMaxMorphs = 64;         // targets with a weight, of one mesh: each moves all of its vertices
 constexpr double kMostWeight = 1e6;
 constexpr std::uint64_t kJointBytes = 200;  // half of two matrices, its stored one and some room
 constexpr std::uint64_t kMorphBytes = 64;
