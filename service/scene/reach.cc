@@ -121,7 +121,7 @@ void FloatSteps::Note(const std::string& pointer, const glm::dmat4& place, const
   pointer_ = pointer;
 }
 
-void FloatSteps::Warn(double scale, Warnings& warnings) const {
+void FloatSteps::WarnIfFelt(double scale, Warnings& warnings) const {
   if (!(scale * step_m_ > kFeltStep_m)) return;
   std::ostringstream text;
   text << std::setprecision(2) << "vertices lie at " << reach_m_ << " m, where a float step is " << 1000 * step_m_

@@ -32,7 +32,7 @@ class FloatSteps {
   // What was decoded, as `place` puts it into the scene. The coarsest is remembered.
   void Note(const std::string& pointer, const glm::dmat4& place, const DecodedPrimitive& decoded);
   // One warning, when its steps can be felt; `scale`: of the scene.
-  void Warn(double scale, Warnings& warnings) const;
+  void WarnIfFelt(double scale, Warnings& warnings) const;
 
  private:
   double step_m_ = 0, reach_m_ = 0;  // between neighbouring coordinates, and how large these are

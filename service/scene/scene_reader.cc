@@ -130,7 +130,7 @@ class SceneReader::Loader {
     report_.placed_offset_m = placing.offset_m;
     WarnIfOutOfReach(input_, options_, warnings_);
     SuggestUp(input_, options_, placing, warnings_);
-    float_steps_.Warn(placing.scale, warnings_);
+    float_steps_.WarnIfFelt(placing.scale, warnings_);
     ExplainUnread();
     return std::move(input_);
   }

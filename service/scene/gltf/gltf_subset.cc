@@ -300,7 +300,7 @@ class SubsetBuilder {
       mesh->second.mesh =
           std::make_unique<DracoMesh>(draco_.pointer, views_.ReadStored(draco_.view), corners / 3, vertices);
       SubsetAccessor run{.component = 5125, .count = static_cast<std::size_t>(corners), .zeros = false, .stride = 4};
-      run.offset = views_.Reserve(draco_.pointer, 4 * corners);
+      run.offset = views_.ReserveRoom(draco_.pointer, 4 * corners);
       mesh->second.mesh->CopyCorners(views_.data(run.offset));
       subset_.accessors.push_back(run);
       mesh->second.corners = subset_.accessors.size() - 1;
@@ -331,7 +331,7 @@ class SubsetBuilder {
     packed.normalized = IsNormalized(ElementOf(file_.root(), "accessors", accessor),
                                      JoinPointer("/accessors", accessor), found->component);
     packed.count = static_cast<std::size_t>(draco_.mesh->vertices());
-    packed.offset = views_.Reserve(draco_.pointer, element * draco_.mesh->vertices());
+    packed.offset = views_.ReserveRoom(draco_.pointer, element * draco_.mesh->vertices());
     draco_.mesh->CopyAttribute(*number, views_.data(packed.offset));
     subset_.accessors.push_back(packed);
     return place->second = subset_.accessors.size() - 1;

@@ -62,7 +62,7 @@ struct MorphWeight {
 // A mesh in one shape; MeshRequests (mesh_requests.h) makes them.
 struct MeshRequest {
   std::uint32_t mesh = 0;             // index into /meshes
-  std::optional<std::size_t> skin;    // of SkinRequests
+  std::optional<std::size_t> skin;    // number of a SkinRequest
   std::vector<MorphWeight> morph;     // each target at most once
   std::vector<std::uint8_t> uv_sets;  // of each primitive: bit k requests TEXCOORD_k; those beyond the list need none
   bool paint = false;                 // NORMAL and COLOR_0 too, where they are

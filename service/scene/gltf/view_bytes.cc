@@ -82,7 +82,7 @@ void ViewBytes::CheckRoom(const std::string& pointer, std::uint64_t bytes) const
   }
 }
 
-std::size_t ViewBytes::Reserve(const std::string& pointer, std::uint64_t bytes) {
+std::size_t ViewBytes::ReserveRoom(const std::string& pointer, std::uint64_t bytes) {
   CheckRoom(pointer, bytes);
   const std::size_t at = AlignedUp(bytes_.size());
   bytes_.resize(at + static_cast<std::size_t>(bytes));
@@ -93,7 +93,7 @@ std::size_t ViewBytes::Reserve(const std::string& pointer, std::uint64_t bytes) 
 std::size_t ViewBytes::DecodedView(const MeshoptView& view, std::uint32_t number) {
   if (const auto found = decoded_places_.find(number); found != decoded_places_.end()) return found->second;
   const std::vector<unsigned char> stored = ReadWhole({view.buffer, view.offset, view.length});
-  const std::size_t at = Reserve(view.pointer, view.decoded_bytes());
+  const std::size_t at = ReserveRoom(view.pointer, view.decoded_bytes());
   DecodeMeshopt(view, stored, {bytes_.data() + at, static_cast<std::size_t>(view.decoded_bytes())});
   return decoded_places_[number] = at;
 }

@@ -29,7 +29,7 @@ class ViewBytes {
 
   // Room for bytes that `pointer` is decoded to. Throws LoadError, and does so before it is decoded by CheckRoom.
   void CheckRoom(const std::string& pointer, std::uint64_t bytes) const;
-  std::size_t Reserve(const std::string& pointer, std::uint64_t bytes);
+  std::size_t ReserveRoom(const std::string& pointer, std::uint64_t bytes);
   unsigned char* data(std::size_t at) { return bytes_.data() + at; }
 
   std::vector<unsigned char> TakeBytes() { return std::move(bytes_); }
