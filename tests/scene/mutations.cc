@@ -10,6 +10,7 @@
 #include "service/haptics/scene/check_scene.h"
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/state.h"
+#include "tests/scene/compressed.h"
 #include "tests/scene/files.h"
 
 namespace omni::scene::test {
@@ -83,6 +84,21 @@ Model Rich() {
     "KHR_physics_rigid_bodies": {"physicsMaterials": [{"staticFriction": 0.4}]}})");
   model.json["meshes"][0]["extensions"]["MPEG_haptic_material"]["hapticMaterialIndex"] = 0;
   model.json["materials"][0]["extensions"]["OMNI_haptic_material"]["material"] = 0;
+  Json& primitive = model.json["meshes"][0]["primitives"][0];
+  const auto vertices = [&model](const std::string& bytes, int component, const char* type) {
+    return AddAccessor(model, bytes, {{"componentType", component}, {"count", 4}, {"type", type}});
+  };
+  primitive["attributes"]["JOINTS_0"] = vertices(Bytes(std::vector<std::uint8_t>(16, 1)), 5121, "VEC4");
+  primitive["attributes"]["WEIGHTS_0"] = vertices(Bytes(std::vector<float>(16, 0.25F)), 5126, "VEC4");
+  primitive["targets"] = {{{"POSITION", vertices(Bytes(std::vector<float>(12, 0.001F)), 5126, "VEC3")}}};
+  model.json["meshes"][0]["weights"] = {0.5};
+  model.json["skins"] = Json::parse(R"([{"joints": [0, 2]}])");
+  model.json["skins"][0]["inverseBindMatrices"] =
+      AddAccessor(model, Bytes(std::vector<float>{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1,
+                                                  1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}),
+                  {{"componentType", 5126}, {"count", 2}, {"type", "MAT4"}});
+  model.json["nodes"][1]["skin"] = 0;
+  model.json["nodes"][1]["extensions"] = Json::parse(R"({"KHR_node_visibility": {"visible": true}})");
   return model;
 }
 
@@ -118,14 +134,21 @@ void Record(std::size_t files, std::size_t refused) {
   testing::Test::RecordProperty("refused", static_cast<int>(refused));
 }
 
+TEST(SceneMutations, WhatIsDamagedLoadsWhole) {
+  for (const Model& model : {Tetra(), Rich(), MeshoptTetra(), DracoTetra(true)}) {
+    const Loaded loaded = LoadBytes(model.Bytes());
+    EXPECT_TRUE(loaded.result.ok()) << loaded.result.error();
+  }
+}
+
 TEST(SceneMutations, DamagedBytesLoadOrAreRejected) {
   const TempFolder folder;
   Damage damage(11);
-  const std::string models[] = {Tetra().Bytes(), Rich().Bytes()};
+  const std::string models[] = {Tetra().Bytes(), Rich().Bytes(), MeshoptTetra().Bytes(), DracoTetra(true).Bytes()};
   const std::size_t files = Wanted();
   std::size_t refused = 0;
   for (std::size_t i = 0; i < files; ++i) {
-    const std::string file = folder.Write("damaged.glb", damage.Bytes(models[i % 2]));
+    const std::string file = folder.Write("damaged.glb", damage.Bytes(models[i % 4]));
     ASSERT_NO_FATAL_FAILURE(ExpectLoadedOrRefused(file, i % 3 == 0, refused)) << i;
   }
   Record(files, refused);
@@ -136,11 +159,11 @@ TEST(SceneMutations, DamagedBytesLoadOrAreRejected) {
 TEST(SceneMutations, DamagedJsonValuesLoadOrAreRejected) {
   const TempFolder folder;
   Damage damage(12);
-  const Model models[] = {Tetra(), Rich()};
+  const Model models[] = {Tetra(), Rich(), MeshoptTetra(), DracoTetra(true)};
   const std::size_t files = Wanted();
   std::size_t refused = 0;
   for (std::size_t i = 0; i < files; ++i) {
-    Model model = models[i % 2];
+    Model model = models[i % 4];
     const std::size_t changes = 1 + damage.Below(3);
     for (std::size_t k = 0; k < changes; ++k) damage.Value(model.json);
     const std::string file = folder.Write("damaged.glb", model.Bytes());
