@@ -16,6 +16,8 @@
 #include "service/scene/cache/cache_store.h"
 #include "tests/builder/scene_builder_test.h"
 #include "tests/haptics/scenario.h"
+#include "tests/scene/compressed.h"
+#include "tests/support/mesh_bombs.h"
 
 namespace omni::daemon {
 namespace test_builder_child {
@@ -82,6 +84,49 @@ TEST_F(ChildBuilderTest, BuildsTheSameBitsAndReports) {
     EXPECT_EQ(a.load.bytes_read, b.load.bytes_read);
     EXPECT_EQ(a.load.fit_scale, b.load.fit_scale);
   }
+}
+
+// What they are decoded by may do nothing but build, in the memory that the document was granted.
+TEST_F(ChildBuilderTest, CompressedMeshesAreDecodedThere) {
+  using namespace scene::test;
+  const auto soup = test::meshes::CleanBall(60'000);
+  std::string positions;
+  for (const base::Vec3& p : soup.vertices_base_m) {
+    for (const double c : {p.x, p.z, -p.y}) positions += Bytes(std::vector<float>{static_cast<float>(c)});
+  }
+  std::vector<unsigned> corners;
+  for (const auto& triangle : soup.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
+  const std::size_t vertices = soup.vertices_base_m.size();
+  Model meshopt = MeshoptTetra(true, 4);
+  meshopt.json["accessors"][0]["count"] = vertices;
+  meshopt.json["accessors"][1]["count"] = corners.size();
+  Model edgebreaker = meshopt, sequential = meshopt;
+  meshopt.bin.clear();
+  Compress(meshopt, 0, MeshoptVertices(positions, 12), vertices, 12, "ATTRIBUTES");
+  Compress(meshopt, 1, MeshoptIndices(corners, true), corners.size(), 4, "TRIANGLES");
+  const std::vector<DracoAttribute> attributes{
+      {"POSITION", draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, positions}};
+  UseDraco(edgebreaker, EncodeDraco(soup.triangles, vertices, attributes, true, 14), attributes);
+  UseDraco(sequential, EncodeDraco(soup.triangles, vertices, attributes, false), attributes);
+  SceneBuilder here({}), child({.way = Children()});
+  for (const Model& model : {MeshoptTetra(), DracoTetra(true), DracoTetra(false), meshopt, edgebreaker, sequential}) {
+    config::AppEntry app;
+    app.scene = folder_.Write("compressed.glb", model.Bytes());
+    app.touch = config::Touch::kAll;
+    here.Request(1, app);
+    child.Request(1, app);
+    const BuiltScene a = Result(here), b = Result(child);
+    ASSERT_NE(a.scene, nullptr) << a.error;
+    ASSERT_NE(b.scene, nullptr) << b.error;
+    EXPECT_TRUE(Same(*a.scene, *b.scene));
+  }
+  Model damaged = DracoTetra(true);
+  damaged.json["bufferViews"].back()["byteLength"] = 30;
+  config::AppEntry app;
+  app.scene = folder_.Write("damaged.glb", damaged.Bytes());
+  app.touch = config::Touch::kAll;
+  child.Request(1, app);
+  EXPECT_NE(Result(child).error.find("KHR_draco_mesh_compression: its data cannot be decoded"), std::string::npos);
 }
 
 TEST_F(ChildBuilderTest, TheAxisThatIsUpReachesTheBuilder) {
