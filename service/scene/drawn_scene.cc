@@ -117,6 +117,8 @@ class DrawnReader {
     const auto instances = instances_.find(node.node);
     for (const MeshPart& part : parts) {
       if (part.decoded.triangles.empty()) continue;
+      if (node.skin && !part.decoded.placed)
+        Note(part.from.pointer, "has no JOINTS_0 and WEIGHTS_0; the node places it, not its joints");
       const DrawnPaint paint = PaintOf(part.from);
       const glm::dmat4 placed = part.decoded.placed ? glm::dmat4(1.0) : node.world;
       const std::vector<glm::dmat4> places =
