@@ -12,8 +12,9 @@ namespace omni::builder {
 // the process that started it, no core file. An error names the step that failed.
 base::Status Retire();
 
-// From here on every system call but those of confine.cc ends this process (SIGSYS): among them any that opens, makes,
-// connects, starts or signals something, or that turns memory into code. Cannot be undone.
+// Nothing if a sanitizer is built in, which makes calls of its own. From here on every system call but those of
+// confine.cc ends this process (SIGSYS): among them any that opens, makes, connects, starts or signals something, or
+// that turns memory into code. Cannot be undone.
 base::Status ConfineItself();
 
 }  // namespace omni::builder

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "service/base/sanitized.h"
 #include "tests/layer/mini_loader/chain_app.h"
 #include "tests/layer/support/app.h"
-#include "tests/support/sanitized.h"
 
 namespace omni::test {
 namespace test_chain {
@@ -132,7 +132,7 @@ TEST_F(Chain, TwoHundredInstancesLeakNothing) {
   EXPECT_EQ(omni_test_live_handles(), 0u);
   EXPECT_TRUE(Eventually([&] { return Entries("/proc/self/fd") <= files; }));
   EXPECT_EQ(Entries("/proc/self/task"), threads);
-  if (kSanitized) return;  // it has a heap of its own
+  if (base::kSanitized) return;  // it has a heap of its own
   // The service of this test keeps a name and a state of each client; an instance of ours is 100 kB and more.
   const std::size_t now = mallinfo2().uordblks;
   EXPECT_LT(now, heap + std::size_t{200} * 1024) << "grew by " << now - heap << " bytes";
@@ -149,7 +149,7 @@ TEST_F(Chain, LibraryIsUnloadedWithTheInstance) {
     const ChainApp app(loader);
     EXPECT_TRUE(app.WaitProfile(service, kTouch));
   }
-  if (kSanitized) return;  // which keeps it for its own reports
+  if (base::kSanitized) return;  // which keeps it for its own reports
   EXPECT_FALSE(Mapped(library)) << "something of it cannot be unloaded";
 }
 

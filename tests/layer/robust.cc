@@ -11,9 +11,9 @@
 #include <thread>
 
 #include "layer/src/instance/event_queue.h"
+#include "service/base/sanitized.h"
 #include "tests/layer/mini_loader/chain_app.h"
 #include "tests/layer/support/app.h"
-#include "tests/support/sanitized.h"
 
 namespace omni::test {
 namespace test_robust {
@@ -133,7 +133,7 @@ TEST_F(Robust, ConcurrentCallsFromManyThreadsSucceed) {
 
 // [xrPollEvent] an application that does not poll: the queues are bounded, and the loss is reported.
 TEST_F(Robust, UnpolledEventsAreBoundedAndLossIsReported) {
-  const int events = kSanitized ? 100'000 : 1'000'000;
+  const int events = base::kSanitized ? 100'000 : 1'000'000;
   const MiniLoader loader({OmniLayer()});
   FakeService service;
   ChainApp app(loader);
@@ -148,7 +148,7 @@ TEST_F(Robust, UnpolledEventsAreBoundedAndLossIsReported) {
     service.Fill();
     ASSERT_EQ(app.Sync(), XR_SUCCESS);
   }
-  if (!kSanitized) {
+  if (!base::kSanitized) {
     EXPECT_LT(mallinfo2().uordblks, heap + std::size_t{4} * 1024 * 1024);
   }
   app.Poll();
@@ -198,7 +198,7 @@ TEST_F(Robust, PenStaysInactiveUntilFirstSync) {
 
 // A child that inherits everything may call and exit as it likes; the parent goes on.
 TEST_F(Robust, ForkedChildDoesNotDisturbParent) {
-  if (kSanitized) GTEST_SKIP() << "a fork of a process with threads is not for sanitizers";
+  if (base::kSanitized) GTEST_SKIP() << "a fork of a process with threads is not for sanitizers";
   const MiniLoader loader({OmniLayer()});
   FakeService service;
   ChainApp app(loader);

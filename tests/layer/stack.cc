@@ -10,8 +10,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "service/base/sanitized.h"
 #include "tests/layer/support/app.h"
-#include "tests/support/sanitized.h"
 
 namespace omni::test {
 namespace test_stack {
@@ -58,7 +58,7 @@ std::string ReadAll(const fs::path& file) {
 class Stack : public testing::Test {
  protected:
   void SetUp() override {
-    if (kSanitized) GTEST_SKIP() << "Debian's layers are not instrumented";
+    if (base::kSanitized) GTEST_SKIP() << "Debian's layers are not instrumented";
     folder_ = fs::path(std::getenv("OMNI_SOCKET")).parent_path() / "stack";
     fs::create_directories(folder_);
   }

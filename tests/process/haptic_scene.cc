@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
+#include "service/base/sanitized.h"
 #include "service/base/sealed_memory.h"
 #include "tests/support/box_document.h"
 #include "tests/support/process/service_process.h"
-#include "tests/support/sanitized.h"
 
 namespace omni::test {
 namespace test_process_haptic_scene {
@@ -30,7 +30,7 @@ constexpr const char* kPressAndStay = R"({"name": "press", "repeat": false, "way
   {"s": 120, "tip_m": [0, 0, 0.046], "axis": [0, 0, -1]}]})";
 
 // Under a sanitizer ticks are late and the press is not at its full: the difference has to be larger to be felt.
-constexpr double kSofter_N_m = kSanitized ? 30 : 60;
+constexpr double kSofter_N_m = base::kSanitized ? 30 : 60;
 
 // The plate that is pressed, and a lid beside it that moves.
 std::string PlateAndLid() {

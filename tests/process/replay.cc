@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "service/base/sanitized.h"
 #include "service/device/recording/device_recorder.h"
 #include "service/device/recording/recording_reader.h"
 #include "tests/support/process/service_process.h"
-#include "tests/support/sanitized.h"
 
 namespace omni::test {
 namespace test_process_replay {
@@ -80,7 +80,7 @@ TEST_F(ProcessReplay, RecordedShownAndPlayed) {
   // Scans come when they came, which is up to a tick after their stamps. A busy machine may start omnid late.
   const double took_s = static_cast<double>(base::MonotonicNow_ns() - begin_ns) * 1e-9;
   EXPECT_GE(took_s, summary->duration_s - 1e-3);
-  if (!kSanitized) {  // in virtual time
+  if (!base::kSanitized) {  // in virtual time
     EXPECT_LE(took_s, 2 * summary->duration_s);
   }
   const auto second = device::SummariseRecording(again);

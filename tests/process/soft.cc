@@ -5,11 +5,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/base/sanitized.h"
 #include "service/scene/glb_save.h"
 #include "service/tools/common/service_link.h"
 #include "tests/haptics/scenario.h"
 #include "tests/support/process/service_process.h"
-#include "tests/support/sanitized.h"
 
 namespace omni::test {
 namespace test_process_soft {
@@ -18,7 +18,7 @@ constexpr const char* kAway = R"({"name": "away", "repeat": false, "waypoints": 
   {"s": 0, "tip_m": [0, 0, 0.085], "axis": [0, 0, -1]}, {"s": 60, "tip_m": [0, 0, 0.085], "axis": [0, 0, -1]}]})";
 
 // To compute the body takes four seconds, beside a tick every millisecond; ThreadSanitizer slows both.
-constexpr int kComputing_ms = kSanitized ? 600'000 : 120'000;
+constexpr int kComputing_ms = base::kSanitized ? 600'000 : 120'000;
 
 std::string BallFile(const TempFolder& folder) {
   haptics::Material jelly;

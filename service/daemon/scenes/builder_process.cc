@@ -17,6 +17,7 @@
 #include <fstream>
 #include <utility>
 
+#include "service/base/sanitized.h"
 #include "service/protocol/packet_socket.h"
 
 namespace omni::daemon {
@@ -29,12 +30,6 @@ constexpr std::uint64_t kPlainSpace = 96 * kMegabyte;
 constexpr rlim_t kOpenFiles = 128;  // a hundred beside the document
 // A builder that has used no processor for so long has stopped working: it waits for omnid alone.
 constexpr int kLook_ms = 5000, kPatience = 12;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSpaceCounts = false;  // they reserve terabytes
-#else
-constexpr bool kSpaceCounts = true;
-#endif
 
 // Kills for lack of memory, of any process; 0 where the kernel does not say.
 std::uint64_t OomKills() {
@@ -102,7 +97,7 @@ BuilderProcess::~BuilderProcess() { End(); }
 
 void BuilderProcess::Limit(std::uint64_t bytes) {
   limit_bytes_ = bytes;
-  if (!kSpaceCounts) return;
+  if (base::kSanitized) return;
   rlimit space{};
   if (prlimit(pid_, RLIMIT_AS, nullptr, &space) == 0) {
     space.rlim_cur = std::min<rlim_t>(bytes + kPlainSpace, space.rlim_max);

@@ -13,11 +13,11 @@
 #include <thread>
 
 #include "service/base/clock.h"
+#include "service/base/sanitized.h"
 #include "tests/hil/time/host_process.h"
 #include "tests/hil/time/idle_watch.h"
 #include "tests/hil/time/virtual_clock.h"
 #include "tests/support/process/temp_folder.h"
-#include "tests/support/sanitized.h"
 
 namespace omni::hil {
 namespace {
@@ -29,7 +29,7 @@ const std::string kProbe = std::string(OMNI_BINARY_DIR) + "/tests/hil_clock_prob
 class VirtualClockTest : public testing::Test {
  protected:
   void SetUp() override {
-    if (test::kSanitized) GTEST_SKIP() << "a sanitizer wants to be the first library of a program, and the clock is";
+    if (base::kSanitized) GTEST_SKIP() << "a sanitizer wants to be the first library of a program, and the clock is";
     const base::Status possible = IdleWatch::Possible();
     if (!possible) GTEST_SKIP() << possible.error();
     auto made = VirtualClock::Create(folder_.Path("clock"));

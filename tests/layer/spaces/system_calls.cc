@@ -9,8 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "service/base/sanitized.h"
 #include "tests/layer/spaces/fixture.h"
-#include "tests/support/sanitized.h"
 
 namespace omni::test {
 namespace test_spaces_quiet {
@@ -70,7 +70,7 @@ int WithFreshSamples(FakeService& service, Body body) {
 }
 
 TEST_F(SpacesSystemCalls, LocateSpaceMakesNoSystemCall) {
-  if (kSanitized) GTEST_SKIP() << "a sanitizer makes system calls of its own";
+  if (base::kSanitized) GTEST_SKIP() << "a sanitizer makes system calls of its own";
   App app;
   Start(app);
   const XrSpace view = app.ReferenceSpace(XR_REFERENCE_SPACE_TYPE_VIEW);
@@ -93,7 +93,7 @@ TEST_F(SpacesSystemCalls, LocateSpaceMakesNoSystemCall) {
 }
 
 TEST_F(SpacesSystemCalls, LocateSpaceOfAMovingBaseMakesNoSystemCall) {
-  if (kSanitized) GTEST_SKIP() << "a sanitizer makes system calls of its own";
+  if (base::kSanitized) GTEST_SKIP() << "a sanitizer makes system calls of its own";
   App app;
   Start(app, [](double /*t_s*/) { return layer::Motion{}; });
   service.MoveBase([](protocol::BaseSample& sample) { sample.linear_velocity_space_m_s = {0.5, 0, 0}; });

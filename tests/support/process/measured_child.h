@@ -10,11 +10,11 @@
 #include <exception>
 #include <fstream>
 
-#include "tests/support/sanitized.h"
+#include "service/base/sanitized.h"
 
 namespace omni::test {
 
-inline constexpr bool kMemoryCounts = !kSanitized;  // sanitizers double it, and use terabytes of address space
+inline constexpr bool kMemoryCounts = !base::kSanitized;  // sanitizers double it, and use terabytes of address space
 
 // Pages of this process: of its address space, and those in memory.
 struct PagesOfProcess {
