@@ -136,7 +136,8 @@ void Finish(Finished finished, std::initializer_list<std::span<const std::byte>>
 
 void BuildScene(Message& request) {
   const auto job = request.As<SceneJob>();
-  const std::string file = request.TextAfter(sizeof job, job.text_bytes);
+  const std::string text = request.TextAfter(sizeof job, std::size_t{job.text_bytes} + job.tags_bytes);
+  const std::string file = text.substr(0, job.text_bytes);
   OpenedByOmnid beside;
   const scene::LoadOptions options{.all_kinematic = job.all_kinematic != 0,
                                    .memory = request.fds[0].get(),
@@ -149,7 +150,8 @@ void BuildScene(Message& request) {
                                    .max_file_bytes = job.max_file_bytes,
                                    .beside = job.has_beside != 0 ? &beside : nullptr,
                                    .max_nodes = job.max_nodes,
-                                   .max_depth = job.max_depth};
+                                   .max_depth = job.max_depth,
+                                   .tags_by_name = text.substr(job.text_bytes)};
   std::unique_ptr<Result> result;
   const scene::LoadSteps steps{.admit =
                                    [&](const scene::BuildNeed& need) {

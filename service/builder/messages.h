@@ -23,6 +23,7 @@ inline constexpr int kSocket = 3;  // of the builder
 inline constexpr std::size_t kMaxMessage = 16384;
 inline constexpr std::size_t kMaxText = 8192;      // of an error or a path
 inline constexpr std::size_t kMaxName = 1024;      // of a file beside the document, with its folders
+inline constexpr std::size_t kMaxTags = 4096;      // of tags by name
 inline constexpr std::uint32_t kMaxOpened = 1000;  // requests for such files
 
 enum class Kind : std::uint32_t {
@@ -42,7 +43,8 @@ enum class Kind : std::uint32_t {
 struct SceneJob {
   Kind kind = Kind::kSceneJob;
   std::uint32_t text_bytes = 0;  // name of the document
-  std::uint32_t all_kinematic = 0, touch_untagged = 0, z_up = 0, fit = 0, has_beside = 0, reserved = 0;
+  std::uint32_t tags_bytes = 0;  // LoadOptions::tags_by_name, behind the name
+  std::uint32_t all_kinematic = 0, touch_untagged = 0, z_up = 0, fit = 0, has_beside = 0;
   double offset_base_m[3]{};
   double scale = 1, hull_radius_m = 0;
   std::uint64_t max_file_bytes = 0;

@@ -26,6 +26,7 @@ scene::LoadOptions OptionsOf(const json& load, double hull_radius_m) {
   scene::LoadOptions options;
   options.hull_radius_m = hull_radius_m;
   options.touch_untagged = base::TrueAt(load, "/touch_untagged");
+  options.tags_by_name = base::StringAt(load, "/tags");
   options.z_up = base::StringAt(load, "/up") == "z";
   options.fit = base::TrueAt(load, "/fit");
   const double scale = base::NumberAt(load, "/scale");

@@ -32,6 +32,7 @@ CacheKey KeyOf(const std::string& path, const LoadOptions& options, const Digest
                          options.all_kinematic ? 1.0 : 0.0, options.z_up ? 1.0 : 0.0}) {
     hash.Add(x);
   }
+  hash.Add(std::string_view(options.tags_by_name));
   return {"scene", hash.Finish()};
 }
 

@@ -35,6 +35,7 @@ struct LoadOptions {
   FilesBeside* beside = nullptr;  // with `memory`: those beside the document; null: there are none
   std::uint32_t max_nodes = 100'000;
   std::uint32_t max_depth = 64;  // of the node hierarchy; deeper or cyclic: refused
+  std::string tags_by_name;  // JSON, {"clay": {"stiffness": 300}}: haptic tags of nodes and materials of these names
 };
 
 // One row per item of the file, for `omni scene explain`.

@@ -244,8 +244,10 @@ class SceneReader::Loader {
     if (binding_) return;
     file_.Open(path_, options_, report_);
     input_.name = std::filesystem::path(path_).stem().string();
-    nodes_ = WalkNodes(file_.root(), options_, warnings_);
-    binding_.emplace(file_.root(), warnings_);
+    named_.emplace(options_.tags_by_name, warnings_);
+    named_->WarnOfUnknown(file_.root(), warnings_);
+    nodes_ = WalkNodes(file_.root(), options_, warnings_, &*named_);
+    binding_.emplace(file_.root(), *named_, warnings_);
     touched_ = Choose();
     if (!report_.skipped) RequestMeshes();
   }
@@ -431,6 +433,7 @@ class SceneReader::Loader {
   Warnings warnings_;
   GltfFile file_;
   std::vector<NodeVisit> nodes_;
+  std::optional<NamedTags> named_;
   std::optional<Binding> binding_;
   std::vector<const NodeVisit*> touched_;  // of nodes_
   haptics::SceneInput input_;

@@ -143,6 +143,18 @@ TEST_F(ChildBuilderTest, TheAxisThatIsUpReachesTheBuilder) {
   EXPECT_FALSE(Same(*upright.scene, *b.scene));
 }
 
+TEST_F(ChildBuilderTest, TagsByNameReachTheBuilder) {
+  config::AppEntry app;
+  app.scene = folder_.Write("plain.glb", scene::test::Tetra().Bytes());
+  app.tags = R"({"tetra": {"stiffness": 321}})";
+  SceneBuilder builder({.way = Children()});
+  builder.Request(1, app);
+  const BuiltScene built = Result(builder);
+  ASSERT_NE(built.scene, nullptr) << built.error;
+  ASSERT_EQ(built.scene->objects().size(), 1U);
+  EXPECT_EQ(built.scene->materials()[0].stiffness_N_m, 321);
+}
+
 TEST_F(ChildBuilderTest, SoftBodiesAreTheSameAndTheCacheIsOmnids) {
   const config::AppEntry app = Soft("soft");
   const std::string cache = folder_.Path("cache");

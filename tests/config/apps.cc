@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "service/config/files/app_file.h"
 #include "service/config/paths.h"
@@ -68,6 +69,26 @@ TEST(ConfigApps, ReadsEveryKey) {
   EXPECT_EQ(ParseAppFile(Entry("a", "b", "up = \"z\"\n"), "f.toml", "/s")->up, Up::kZ);
   ExpectMentions(ErrorOf(Entry("a", "b", "up = \"x\"\n")), {"test.toml", "up", "y", "z"});
   EXPECT_EQ(entry->force_scale, 0.5);
+}
+
+TEST(ConfigApps, ReadsTagsByName) {
+  const auto entry =
+      ParseAppFile(Entry("a", "b",
+                         "[[tag]]\nname = \"clay \\\"1\\\"\"\nstiffness = 300.5\nsoftness = {model = \"winkler\"}\n"
+                         "[[tag]]\nname = \"lid\"\nrole = \"ignore\"\n"),
+                   "f.toml", "/s");
+  ASSERT_TRUE(entry.ok()) << entry.error();
+  const auto json = nlohmann::json::parse(entry->tags, nullptr, false);
+  EXPECT_EQ(
+      json,
+      nlohmann::json::parse(
+          R"({"clay \"1\"": {"stiffness": 300.5, "softness": {"model": "winkler"}}, "lid": {"role": "ignore"}})"));
+  EXPECT_EQ(ParseAppFile(Entry("a", "b"), "f.toml", "/s")->tags, "");
+  ExpectMentions(ErrorOf(Entry("a", "b", "[[tag]]\nstiffness = 3\n")), {"test.toml", "tag.name", "missing"});
+  ExpectMentions(ErrorOf(Entry("a", "b", "[tag]\nname = \"x\"\n")), {"test.toml", "tag", "not an array of tables"});
+  ExpectMentions(ErrorOf(Entry("a", "b", "[[tag]]\nname = \"x\"\n[[tag]]\nname = \"x\"\n")), {"tag.name", "twice"});
+  ExpectMentions(ErrorOf(Entry("a", "b", "[[tag]]\nname = \"x\"\nrole = \"" + std::string(5000, 'x') + "\"\n")),
+                 {"tag", "the limit is 4096"});
 }
 
 TEST(ConfigApps, ReadsAndChecksLayerSettings) {

@@ -12,7 +12,7 @@
 namespace omni::scene::test {
 namespace test_scene_axes {
 
-constexpr LoadOptions kZUp{.touch_untagged = true, .z_up = true};
+const LoadOptions kZUp{.touch_untagged = true, .z_up = true};
 
 // The tetrahedron of an exporter that leaves z up: (x, y, z) of the base are those of the file.
 Model TetraZUp() {

@@ -103,7 +103,7 @@ struct Loaded {
 };
 
 // Everything is touched unless the test says otherwise.
-inline constexpr LoadOptions kTouchAll{.touch_untagged = true};
+inline const LoadOptions kTouchAll{.touch_untagged = true};
 
 inline Loaded Load(const std::string& path, const LoadOptions& options = kTouchAll) {
   Loaded loaded;

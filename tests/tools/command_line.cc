@@ -340,6 +340,24 @@ TEST(ToolsCommandLine, ExplainTakesTheAxisThatIsUp) {
   EXPECT_EQ(RunOmni({"scene", "explain", "--up", "x", file}).status, kExitUsage);
 }
 
+TEST(ToolsCommandLine, ExplainReadsAnApplicationsFile) {
+  const test::TempFolder folder;
+  const std::string file = folder.Write("p.gltf", Pyramid(""));
+  const std::string app = folder.Write("mine.toml",
+                                       "application = \"a\"\nscene = \"b\"\n[[tag]]\nname = \"pyramid\"\n"
+                                       "stiffness = 321\n[[tag]]\nname = \"cone\"\n");
+  const Outcome ran = RunOmni({"scene", "explain", "--no-cache", "--json", "--app", app, file});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const nlohmann::json json = nlohmann::json::parse(ran.out, nullptr, false);
+  EXPECT_EQ(json["objects"], 1);
+  EXPECT_EQ(json["materials"][0]["stiffness_N_m"], 321.0);
+  ASSERT_EQ(json["warnings"].size(), 1u) << json["warnings"].dump();
+  EXPECT_NE(json["warnings"][0].get<std::string>().find("tag \"cone\": is of no node"), std::string::npos);
+  const Outcome broken = RunOmni({"scene", "explain", "--app", folder.Write("b.toml", "scene = 3\n"), file});
+  EXPECT_EQ(broken.status, kExitFailed);
+  ExpectOneLine(broken.err, {"omni scene explain:", "b.toml"});
+}
+
 TEST(ToolsCommandLine, ExplainFailsWithOneLine) {
   const test::TempFolder folder;
   const Outcome gone = RunOmni({"scene", "explain", folder.Path("gone.glb")});

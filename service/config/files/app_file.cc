@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <sstream>
 
 #include "service/base/files/nearest_word.h"
 #include "service/config/inputs/input_table.h"
@@ -22,6 +23,8 @@ constexpr Range kScale{1e-4, 1e4};
 constexpr Range kForceScale{0, 1};
 constexpr Range kRestAfter_s{-1, 86400};
 constexpr std::size_t kMaxProfileBytes = 127;
+constexpr std::size_t kMaxTags = 64, kMaxNameBytes = 127;
+constexpr std::size_t kMaxTagBytes = 4096;  // of all, as JSON; the builder takes no more
 constexpr std::string_view kProfilePrefix = "/interaction_profiles/";
 constexpr std::string_view kPlacements[] = {"as_authored", "fit"};
 constexpr std::string_view kTouches[] = {"tagged", "all"};
@@ -71,6 +74,26 @@ std::string ReadProfile(TableReader& reader, FileProblem& problem) {
   return profile;
 }
 
+// [[tag]]: a name and the keys of a haptic tag, which are checked where scenes are read. As JSON, by name.
+std::string ReadTags(TableReader& reader, FileProblem& problem) {
+  toml::table by_name;
+  for (const toml::table* tag : reader.Tables("tag", 1, kMaxTags)) {
+    TableReader tag_reader(problem, *tag, "tag");
+    const std::string name = tag_reader.Text("name", kMaxNameBytes);
+    toml::table keys = *tag;
+    keys.erase("name");
+    if (!by_name.insert(name, std::move(keys)).second)
+      problem.Report(tag->get("name"), "tag.name = \"" + name + "\" is there twice; put all keys into one [[tag]]");
+  }
+  std::ostringstream text;
+  text << toml::json_formatter(by_name);
+  if (text.str().size() > kMaxTagBytes) {
+    problem.Report(reader.table().get("tag"), "tag has " + std::to_string(text.str().size()) +
+                                                  " bytes in all, the limit is " + std::to_string(kMaxTagBytes));
+  }
+  return text.str();
+}
+
 }  // namespace
 
 base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& file,
@@ -99,11 +122,12 @@ base::Result<AppEntry> ParseAppFile(const std::string& text, const std::string& 
   entry.profile = ReadProfile(reader, problem);
   entry.hand = reader.Choice("hand", kHands, "auto");
   entry.rest_after_s = reader.Number("rest_after_s", kRestAfter_s, 0.0);
+  if (parsed->contains("tag")) entry.tags = ReadTags(reader, problem);
   if (const toml::table* inputs = has_inputs ? reader.Table("inputs") : nullptr) {
     TableReader input_reader(problem, *inputs, "inputs");
     entry.inputs = ReadInputs(input_reader, problem);
   }
-  reader.AllowKeys({"scene", "inputs"});
+  reader.AllowKeys({"scene", "inputs", "tag"});
   reader.ReportUnknownKeys();
   if (!problem.ok()) return base::Error{problem.message()};
   return entry;

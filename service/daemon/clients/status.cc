@@ -128,6 +128,7 @@ json SceneLoad(const Client* loader, const ClientScenes& scenes) {
   return {{"touch_untagged", load.touch_untagged},
           {"up", load.z_up ? "z" : "y"},
           {"fit", load.fit},
+          {"tags", load.tags_by_name},
           {"scale", load.scale},
           {"offset_base_m", {offset.x, offset.y, offset.z}}};
 }

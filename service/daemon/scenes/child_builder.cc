@@ -146,7 +146,10 @@ class SceneTalk {
 
   void SendJob() {
     const std::string name = file_.substr(0, builder::kMaxText);
+    const std::string& tags = options_.tags_by_name;
+    if (tags.size() > builder::kMaxTags) throw BuilderEnded{"its tags by name are too long"};
     process_.Send(builder::SceneJob{.text_bytes = static_cast<std::uint32_t>(name.size()),
+                                    .tags_bytes = static_cast<std::uint32_t>(tags.size()),
                                     .all_kinematic = options_.all_kinematic,
                                     .touch_untagged = options_.touch_untagged,
                                     .z_up = options_.z_up,
@@ -159,7 +162,7 @@ class SceneTalk {
                                     .max_file_bytes = options_.max_file_bytes,
                                     .max_nodes = options_.max_nodes,
                                     .max_depth = options_.max_depth},
-                  name, {options_.memory});
+                  name + tags, {options_.memory});
   }
 
   bool Admit(const builder::Need& said) {

@@ -42,7 +42,8 @@ scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius
           .fit = app.placement == config::Placement::kFit,
           .offset_base_m = app.offset_base_m,
           .scale = app.scale,
-          .hull_radius_m = hull_radius_m};
+          .hull_radius_m = hull_radius_m,
+          .tags_by_name = app.tags};
 }
 
 std::uint32_t BuildersOfComputer() { return std::clamp(std::thread::hardware_concurrency(), 2U, kMostBuilders); }

@@ -64,8 +64,13 @@ std::vector<std::uint32_t> Indices(const Json& parent, const std::string& pointe
 
 class Walk {
  public:
-  Walk(const Json& root, const LoadOptions& options, Warnings& warnings)
-      : root_(root), options_(options), warnings_(warnings), count_(CountOf(root, "nodes")), seen_(count_, false) {}
+  Walk(const Json& root, const LoadOptions& options, Warnings& warnings, const NamedTags* named)
+      : root_(root),
+        options_(options),
+        warnings_(warnings),
+        named_(named),
+        count_(CountOf(root, "nodes")),
+        seen_(count_, false) {}
 
   std::vector<NodeVisit> Run() {
     const std::vector<std::uint32_t> roots = Roots();
@@ -138,7 +143,9 @@ class Walk {
     visit.skin = ReadIndex(node, visit.pointer, "skin", CountOf(root_, "skins"));
     visit.hidden = pending.hidden || !Visible(node, visit.pointer);
     visit.inherited = pending.inherited;
-    if (HapticTag own = ReadExtras(node, visit.pointer, warnings_); own.present) {
+    HapticTag own = ReadExtras(node, visit.pointer, warnings_);
+    if (named_ != nullptr) named_->OverrideNamed(node, own);
+    if (own.present) {
       visit.own = std::make_shared<const HapticTag>(std::move(own));
       visit.inherited = visit.own;
       if (pending.inherited->present) {
@@ -157,6 +164,7 @@ class Walk {
   const Json& root_;
   const LoadOptions& options_;
   Warnings& warnings_;
+  const NamedTags* const named_;
   std::uint64_t count_;
   std::vector<bool> seen_;
   std::vector<Pending> stack_;
@@ -165,8 +173,9 @@ class Walk {
 
 }  // namespace
 
-std::vector<NodeVisit> WalkNodes(const Json& root, const LoadOptions& options, Warnings& warnings) {
-  return Walk(root, options, warnings).Run();
+std::vector<NodeVisit> WalkNodes(const Json& root, const LoadOptions& options, Warnings& warnings,
+                                 const NamedTags* named) {
+  return Walk(root, options, warnings, named).Run();
 }
 
 }  // namespace omni::scene

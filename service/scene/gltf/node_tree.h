@@ -27,6 +27,8 @@ struct NodeVisit {
 
 // Nodes reachable from the default scene (or from the roots, if there is none), parents first. Throws LoadError on a
 // cycle, a node with two parents, bad indices, too many nodes or levels, transforms that are not finite.
-std::vector<NodeVisit> WalkNodes(const Json& root, const LoadOptions& options, Warnings& warnings);
+// `named`: may be null.
+std::vector<NodeVisit> WalkNodes(const Json& root, const LoadOptions& options, Warnings& warnings,
+                                 const NamedTags* named = nullptr);
 
 }  // namespace omni::scene

@@ -105,7 +105,12 @@ const HapticTag& Binding::MeshExtras(std::uint32_t mesh) {
 
 const HapticTag& Binding::MaterialExtras(std::uint32_t material) {
   const std::string pointer = JoinPointer("/materials", material);
-  return Cached(pointer, [&] { return ReadExtras(ElementOf(root_, "materials", material), pointer, warnings_); });
+  return Cached(pointer, [&] {
+    const Json& json = ElementOf(root_, "materials", material);
+    HapticTag tag = ReadExtras(json, pointer, warnings_);
+    named_.OverrideNamed(json, tag);
+    return tag;
+  });
 }
 
 const HapticTag& Binding::Physics(const NodeVisit& node) {

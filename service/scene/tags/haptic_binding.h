@@ -18,9 +18,12 @@ namespace omni::scene {
 // Weakest first; each overrides the ones before it key by key:
 //   defaults < extras of ancestors, node, mesh, material < KHR_physics_rigid_bodies (friction, restitution)
 //   < mesh MPEG_haptic_material / MPEG_material_haptic < material OMNI_haptic_material
+// Tags by name count as extras of the material, or of the node.
 class Binding {
  public:
-  Binding(const Json& root, Warnings& warnings) : root_(root), warnings_(warnings) {}
+  // All outlive this.
+  Binding(const Json& root, const NamedTags& named, Warnings& warnings)
+      : root_(root), named_(named), warnings_(warnings) {}
 
   // Whether the mesh of this node has a tag at any of these places.
   bool HasTag(const NodeVisit& node);
@@ -49,6 +52,7 @@ class Binding {
   const HapticTag& Cached(const std::string& key, Read read);
 
   const Json& root_;
+  const NamedTags& named_;
   Warnings& warnings_;
   std::map<std::string, std::unique_ptr<const HapticTag>> cache_;  // each place is read, and warned about, once
   std::map<std::uint32_t, bool> tagged_meshes_;

@@ -12,6 +12,7 @@ namespace {
 
 // A hostile file must not fill the log; the last line says that there were more.
 constexpr std::size_t kMaxLines = 200;
+constexpr std::size_t kMaxNames = 1000;  // among which a nearest one is looked for
 
 using RoleWord = TagWord<Role>;
 constexpr std::array kRoles = {
@@ -320,6 +321,41 @@ HapticTag ReadExtras(const Json& owner, const std::string& pointer, Warnings& wa
     reader.ReadKey(std::string(key.substr(7)), value, JoinPointer(place, key));
   }
   return read;
+}
+
+NamedTags::NamedTags(const std::string& text, Warnings& warnings) {
+  if (text.empty()) return;
+  const base::Result<base::JsonDocument> document = base::JsonDocument::Parse(text, kSceneJson);
+  if (!document.ok()) throw LoadError("LoadOptions::tags_by_name", document.error());
+  for (const auto& [name, tag] : document->root().members())
+    tags_[std::string(name)] = ReadTag(tag, "tag \"" + std::string(name) + "\"", warnings);
+}
+
+void NamedTags::OverrideNamed(const Json& owner, HapticTag& tag) const {
+  const Json* name = tags_.empty() ? nullptr : FindMember(owner, "name");
+  const auto found = name && name->is_text() ? tags_.find(name->text()) : tags_.end();
+  if (found != tags_.end()) tag.OverrideBy(found->second);
+}
+
+void NamedTags::WarnOfUnknown(const Json& root, Warnings& warnings) const {
+  if (tags_.empty()) return;
+  std::vector<std::string_view> names;
+  std::map<std::string, bool, std::less<>> unknown;
+  for (const auto& [name, tag] : tags_) unknown[name] = true;
+  for (const char* key : {"nodes", "materials"}) {
+    const Json* owners = FindArray(root, "", key);
+    for (const Json& owner : owners ? owners->elements() : std::span<const Json>()) {
+      const Json* name = FindMember(owner, "name");
+      if (!name || !name->is_text()) continue;
+      if (const auto found = unknown.find(name->text()); found != unknown.end()) found->second = false;
+      if (names.size() < kMaxNames) names.push_back(name->text());
+    }
+  }
+  for (const auto& [name, is_unknown] : unknown) {
+    if (!is_unknown) continue;
+    warnings.Add("tag \"" + name + "\"",
+                 "is of no node and no material of this file, and is not used" + base::DidYouMean(name, names));
+  }
 }
 
 double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& warnings) {

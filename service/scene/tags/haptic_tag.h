@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -109,6 +111,23 @@ HapticTag ReadNumbers(const Json& object, std::initializer_list<const char*> key
 // The short form in `extras` of a node, mesh or material: "haptic", and flat keys "haptic.stiffness" (what a person can
 // type into an editor that knows only flat custom properties).
 HapticTag ReadExtras(const Json& owner, const std::string& pointer, Warnings& warnings);
+
+// Tags that an application's file gives to nodes and materials by name: as if the document had them in `extras`, and
+// over those that it has there.
+class NamedTags {
+ public:
+  // `text`: JSON, {"clay": {"stiffness": 300}}; empty: none. Throws LoadError.
+  NamedTags(const std::string& text, Warnings& warnings);
+
+  // `owner`: a node or material of the document.
+  void OverrideNamed(const Json& owner, HapticTag& tag) const;
+
+  // A warning for each name that no node and no material has.
+  void WarnOfUnknown(const Json& root, Warnings& warnings) const;
+
+ private:
+  std::map<std::string, HapticTag, std::less<>> tags_;
+};
 
 // Radius of the tip's ball in `extras` of a scene, "haptic": {"tip": {"radius": m}} or "haptic.tip.radius"; 0: a point.
 double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& warnings);

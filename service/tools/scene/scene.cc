@@ -8,8 +8,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/config/files/app_file.h"
 #include "service/config/files/device_file.h"
 #include "service/config/paths.h"
+#include "service/config/text/text_file.h"
+#include "service/daemon/scenes/scene_builder.h"
 #include "service/scene/cache/cache_store.h"
 #include "service/scene/load_scene.h"
 #include "service/tools/common/command_line.h"
@@ -57,6 +60,7 @@ namespace {
 struct ExplainArguments {
   std::string scene;
   std::string up = "y";
+  std::string app;
   bool fit = false;
   bool touch_all = false;
   bool as_json = false;
@@ -67,12 +71,18 @@ struct ExplainArguments {
 int Explain(const ExplainArguments& arguments) {
   const base::Result<std::string> path = FindScene(arguments.scene);
   if (!path.ok()) return FailWith(arguments.as_json, "omni scene explain", path.error());
-  const base::Result<LoadedScene> loaded = LoadScene(*path,
-                                                     {.touch_untagged = arguments.fit || arguments.touch_all,
-                                                      .z_up = arguments.up == "z",
-                                                      .fit = arguments.fit,
-                                                      .hull_radius_m = config::DefaultDevice().hull_radius_m},
-                                                     !arguments.no_cache);
+  scene::LoadOptions options{.touch_untagged = arguments.fit || arguments.touch_all,
+                             .z_up = arguments.up == "z",
+                             .fit = arguments.fit,
+                             .hull_radius_m = config::DefaultDevice().hull_radius_m};
+  if (!arguments.app.empty()) {
+    const base::Result<std::string> text = config::ReadTextFile(arguments.app);
+    if (!text.ok()) return FailWith(arguments.as_json, "omni scene explain", text.error());
+    const auto app = config::ParseAppFile(*text, arguments.app, config::ScenesFolder());
+    if (!app.ok()) return FailWith(arguments.as_json, "omni scene explain", app.error());
+    options = daemon::LoadOptionsOf(*app, options.hull_radius_m);
+  }
+  const base::Result<LoadedScene> loaded = LoadScene(*path, options, !arguments.no_cache);
   if (!loaded.ok()) return FailWith(arguments.as_json, "omni scene explain", loaded.error());
   if (arguments.as_json) {
     PrintJson(SceneJson(*path, *loaded));
@@ -115,6 +125,7 @@ void AddScene(Command& app) {
       scene.AddCommand("explain", "show what of a glTF file is loaded, what is not and why, and its cost");
   explain.Add("file", arguments->scene, "a .glb or .gltf file, or the name of a shipped scene").Required();
   explain.Add("--fit", arguments->fit, "scale and move the model into reach, as placement = \"fit\" does");
+  explain.Add("--app", arguments->app, "as an application's file (apps.d) says, whatever scene it names");
   AddUp(explain, arguments->up);
   explain.Add("--touch-all", arguments->touch_all,
               "make a file without haptic tags touchable everywhere (--fit does too)");
