@@ -42,8 +42,8 @@ PROLOGUES = {"docs/architecture.md": '#include "service/loop/tick.h"\nnamespace 
 XR_HEADERS = "".join(f"#include <openxr/omni_{name}.h>\n"
                      for name in ("force_feedback", "haptic_scene", "stylus_interaction"))
 
-# What members of a glTF document are tried in: a triangle, and an image of one pixel.
-TRIANGLE = [0, 0, 0.05, 0.01, 0, 0.05, 0, 0.01, 0.05] + [0, 0, 1, 0, 0, 1]  # positions, texture coordinates
+# What members of a glTF document are tried in: a triangle over the base, and an image of one pixel.
+TRIANGLE = [0, 0.05, 0, 0, 0.05, 0.01, 0.01, 0.05, 0] + [0, 0, 1, 0, 0, 1]  # positions, texture coordinates
 PIXEL = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg=="
 SCENE = {
     "asset": {"version": "2.0"},
