@@ -136,23 +136,27 @@ TEST_F(SceneViewFile, FitReportsWhatItDid) {
   }
 }
 
-// An application's file may scale and move its scene: what is seen goes along.
+// An application's file may scale, turn and move its scene: what is seen goes along.
 TEST(SceneView, ScaledAndMovedScenesAreDrawnWhereTheyAreTouched) {
-  scene::LoadOptions options;
-  options.scale = 0.5;
-  options.offset_base_m = {0.01, -0.02, 0.03};
-  const auto view = LoadSceneView(Shipped("extrusion.glb"), "extrusion.glb", options);
-  scene::LoadReport report;
-  const auto input = scene::LoadSceneFile(Shipped("extrusion.glb"), options, report);
-  ASSERT_TRUE(view.ok() && input.ok());
-  Bounds touched, drawn;
-  for (const base::Vec3& v : input->objects[0].vertices_base_m) touched.Add(v.x, v.y, v.z);
-  for (const ViewPart& part : view->parts) {
-    for (const auto& p : part.shape.positions) drawn.Add(p[0], p[1], p[2]);
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_NEAR(drawn.lower[i], touched.lower[i], 1e-4);
-    EXPECT_NEAR(drawn.upper[i], touched.upper[i], 1e-4);
+  for (const bool z_up : {false, true}) {
+    scene::LoadOptions options;
+    options.z_up = z_up;
+    options.scale = 0.5;
+    options.offset_base_m = {0.01, -0.02, 0.03};
+    const auto view = LoadSceneView(Shipped("extrusion.glb"), "extrusion.glb", options);
+    scene::LoadReport report;
+    const auto input = scene::LoadSceneFile(Shipped("extrusion.glb"), options, report);
+    ASSERT_TRUE(view.ok() && input.ok());
+    Bounds touched, drawn;
+    for (const base::Vec3& v : input->objects[0].vertices_base_m) touched.Add(v.x, v.y, v.z);
+    for (const ViewPart& part : view->parts) {
+      for (const auto& p : part.shape.positions) drawn.Add(p[0], p[1], p[2]);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(drawn.lower[i], touched.lower[i], 1e-4);
+      EXPECT_NEAR(drawn.upper[i], touched.upper[i], 1e-4);
+    }
+    EXPECT_EQ(view->z_up, z_up);
   }
 }
 
