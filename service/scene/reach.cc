@@ -132,6 +132,7 @@ void FloatSteps::WarnIfFelt(double scale, Warnings& warnings) const {
 void SuggestUp(const haptics::SceneInput& input, const LoadOptions& options, const Placing& placing,
                Warnings& warnings) {
   if (options.z_up || options.fit || input.joystick) return;
+  if (options.memory >= 0 && options.beside == nullptr) return;  // of an application, which places it itself
   // Within a cone of 45 degrees about the vertical, and in reach.
   const auto over_base = [&](const base::Vec3& p) {
     return p.z > 0.7 * Norm(p) && std::abs(Norm(p) - options.hull_radius_m) <= kReach_m;

@@ -39,7 +39,8 @@ class FloatSteps {
   std::string pointer_;
 };
 
-// A warning when nothing of the scene lies over the base, but would if the file's z axis were up.
+// A warning when nothing of the scene lies over the base, but would if the file's z axis were up. None for a document
+// from an application.
 void SuggestUp(const haptics::SceneInput& input, const LoadOptions& options, const Placing& placing,
                Warnings& warnings);
 

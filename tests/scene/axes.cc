@@ -1,5 +1,7 @@
 // Which axis of a file is up: y, or z where the options say so.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -104,6 +106,14 @@ TEST(SceneAxes, ZUpIsSuggestedWhereItWouldHelp) {
   Model small = TetraZUp();
   small.json["nodes"][0]["scale"] = {0.001, 0.001, 0.001};
   EXPECT_TRUE(warned(small, scaled)) << "as it is placed";
+  LoadOptions document = kTouchAll;
+  const TempFolder folder;
+  const int memory = open(folder.Write("document.glb", TetraZUp().Bytes()).c_str(), O_RDONLY | O_CLOEXEC);
+  document.memory = memory;
+  const Loaded loaded = Load("document", document);
+  EXPECT_TRUE(loaded.result.ok()) << loaded.result.error();
+  EXPECT_EQ(loaded.Warnings().find(kLine), std::string::npos) << "its application places it";
+  close(memory);
   Model far = TetraZUp();
   far.json["nodes"][0]["translation"] = {5, 5, 5};
   EXPECT_FALSE(warned(far, kTouchAll)) << "turning it would not help";
