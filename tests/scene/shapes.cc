@@ -1,6 +1,7 @@
 // Meshes in the shape that they have before anything moves: skins in the pose of their joints, morph targets by their
 // default weights.
 #include <gtest/gtest.h>
+#include <array>
 
 #include <cmath>
 #include <limits>
@@ -300,7 +301,8 @@ TEST(SceneMorphs, SparseAndQuantisedTargetsAddUp) {
       {"indices", {{"bufferView", model.json["accessors"][index]["bufferView"]}, {"componentType", 5121}}},
       {"values", {{"bufferView", model.json["accessors"][value]["bufferView"]}}}};
   std::string rows;  // int16 in rows of eight bytes
-  for (const std::int16_t y : {0, 0, 32767, 0}) rows += Bytes(std::vector<std::int16_t>{0, y, 0, 99});
+  for (const std::int16_t y : std::array<std::int16_t, 4>{0, 0, 32767, 0})
+    rows += Bytes(std::vector<std::int16_t>{0, y, 0, 99});
   const std::size_t quantised =
       AddAccessor(model, rows, {{"componentType", 5122}, {"normalized", true}, {"count", 4}, {"type", "VEC3"}});
   model.json["bufferViews"].back()["byteStride"] = 8;
