@@ -37,8 +37,8 @@ struct AppEntry {
   base::Vec3 offset_base_m;
   double scale = 1;
   double force_scale = 1;  // [0, 1]
+  std::string tags;        // haptic tags by names of nodes and materials, as JSON; empty: none
   // Settings for the application's OpenXR layer.
-  std::string tags;                  // haptic tags by names of nodes and materials, as JSON; empty: none
   std::string profile;               // interaction profile path; empty: the layer's order
   std::string hand = "auto";         // "left", "right"; "auto": omnid's, else the layer's default
   double rest_after_s = 0;           // put down after lying still for so long; 0: the layer's default, -1: never
