@@ -31,7 +31,8 @@ std::shared_ptr<const BuildWay> Children() {
   return std::make_shared<const ChildBuilder>(OMNI_BINARY_DIR "/bin/omni-builder");
 }
 
-// Processes of ours that build, by their threads' children [proc(5)].
+// Processes of ours that build, by their threads' children [proc(5)]; one that is being started is none yet: stopped by
+// a signal there, it would hold up who starts it.
 std::set<pid_t> RunningBuilders() {
   std::set<pid_t> all;
   std::error_code gone;
@@ -41,7 +42,8 @@ std::set<pid_t> RunningBuilders() {
       std::string state;
       std::ifstream stat("/proc/" + std::to_string(child) + "/stat");
       std::getline(stat, state);
-      if (state.find(") Z") == std::string::npos) all.insert(child);
+      if (state.find("(omni-builder)") != std::string::npos && state.find(") Z") == std::string::npos)
+        all.insert(child);
     }
   }
   return all;
