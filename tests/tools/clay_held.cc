@@ -7,12 +7,11 @@
 #include "service/config/files/twin_file.h"
 #include "service/daemon/virtual_run.h"
 #include "service/loop/realtime.h"
-#include "service/loop/tick_config.h"
 #include "service/sim/twin/twin.h"
-#include "service/tools/calibrate/calibrate_twin.h"
 #include "service/tools/common/files.h"
 #include "service/tools/scene/scene.h"
 #include "tests/support/process/temp_folder.h"
+#include "tests/support/rig/loop_replay.h"
 
 namespace omni::test {
 namespace {
@@ -43,9 +42,8 @@ TEST(ClayHeld, ByAHandThatPullsSlowlyAndHolds) {
   loop::FlushDenormals();
   const auto room = config::FindTwin("");
   ASSERT_TRUE(room.ok());
-  const auto calibration = tools::KeptTwinCalibration(config::DefaultDevice(), 1, "");
-  ASSERT_TRUE(calibration.ok()) << calibration.error();
-  const loop::TickConfig config = loop::MakeTickConfig(config::DefaultDevice(), *calibration);
+  const auto config = CalibratedTick(1);
+  ASSERT_TRUE(config.ok()) << config.error();
   for (const double speed_m_s : {0.001, 0.003}) {
     const auto scene = tools::LoadLiveScene(tools::ShippedScene("extrusion"), {});
     ASSERT_TRUE(scene.ok());
@@ -55,7 +53,7 @@ TEST(ClayHeld, ByAHandThatPullsSlowlyAndHolds) {
     auto twin = sim::MakeVirtualTwin(
         config::DefaultDevice(),
         {.seed = 1, .script = hand, .truth = *room, .recording_path = folder.Path("truth.csv")}, hand.duration_s());
-    daemon::RunVirtual(config, *twin, scene->scene);
+    daemon::RunVirtual(*config, *twin, scene->scene);
     twin.reset();  // completes the recording
     const auto truth = tools::CsvTable::Read(folder.Path("truth.csv"));
     ASSERT_TRUE(truth.ok());

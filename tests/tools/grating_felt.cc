@@ -1,10 +1,9 @@
 // A grating as a hand feels it: the force that the coils of the whole twin deliver, in a room (a simulation).
 #include <gtest/gtest.h>
 
-#include "service/config/files/device_file.h"
 #include "service/loop/realtime.h"
-#include "service/tools/calibrate/calibrate_twin.h"
 #include "tests/support/process/temp_folder.h"
+#include "tests/support/rig/loop_replay.h"
 #include "tests/support/touch/stroked_plate.h"
 
 namespace omni::test {
@@ -13,13 +12,11 @@ namespace {
 TEST(GratingFelt, InItsOwnBandAndSilentAtRest) {
   loop::FlushDenormals();
   constexpr std::uint64_t kSeed = 1;
-  const base::DeviceGeometry& device = config::DefaultDevice();
-  const auto calibration = tools::KeptTwinCalibration(device, kSeed, "");
-  ASSERT_TRUE(calibration.ok()) << calibration.error();
-  const loop::TickConfig config = loop::MakeTickConfig(device, *calibration);
+  const auto config = CalibratedTick(kSeed);
+  ASSERT_TRUE(config.ok()) << config.error();
   const TempFolder folder;
   const auto stroke = [&](double amplitude_m, double speed_m_s) {
-    return StrokePlate(config, {.amplitude_m = amplitude_m, .wavelength_m = 1e-3}, speed_m_s, kSeed,
+    return StrokePlate(*config, {.amplitude_m = amplitude_m, .wavelength_m = 1e-3}, speed_m_s, kSeed,
                        folder.Path("truth.csv"));
   };
   const auto plain = stroke(0, 0.04), slow = stroke(2e-4, 0.02), quick = stroke(2e-4, 0.04);

@@ -1,11 +1,10 @@
 // omni-bench texture: a hand strokes gratings on the whole twin in a room.
 #include <vector>
 
-#include "service/config/files/device_file.h"
 #include "service/loop/realtime.h"
-#include "service/tools/calibrate/calibrate_twin.h"
 #include "tests/bench/harness/bench.h"
 #include "tests/bench/harness/work_folder.h"
+#include "tests/support/rig/loop_replay.h"
 #include "tests/support/touch/stroked_plate.h"
 
 namespace omni::bench {
@@ -14,12 +13,10 @@ base::Result<BenchRows> BenchTexture(const BenchOptions& options) {
   loop::FlushDenormals();
   const WorkFolder scratch;
   if (scratch.path().empty()) return base::Error{"no folder for the twin's recordings can be made; check $TMPDIR"};
-  const base::DeviceGeometry& device = config::DefaultDevice();
-  const auto calibration = tools::KeptTwinCalibration(device, options.seed, "");
-  if (!calibration.ok()) return base::Error{calibration.error()};
-  const loop::TickConfig config = loop::MakeTickConfig(device, *calibration);
+  const auto config = test::CalibratedTick(options.seed);
+  if (!config.ok()) return base::Error{config.error()};
   const auto stroke = [&](const test::GratedPlate& plate, double speed_m_s) {
-    return test::StrokePlate(config, plate, speed_m_s, options.seed, scratch.path() / "truth.csv");
+    return test::StrokePlate(*config, plate, speed_m_s, options.seed, scratch.path() / "truth.csv");
   };
   const std::vector<double> frictions = options.quick ? std::vector{0.1} : std::vector{0.0, 0.1, 0.4, 1.0};
   const std::vector<double> wavelengths_m = options.quick ? std::vector{1e-3} : std::vector{0.5e-3, 1e-3, 2e-3, 3e-3};
