@@ -16,15 +16,16 @@
 #include <type_traits>
 
 #include "service/haptics/deformable/build/build_soft_body.h"
+#include "service/scene/gltf/file_bytes.h"
 
 namespace omni::builder {
 
 inline constexpr int kSocket = 3;  // of the builder
 inline constexpr std::size_t kMaxMessage = 16384;
-inline constexpr std::size_t kMaxText = 8192;      // of an error or a path
-inline constexpr std::size_t kMaxName = 1024;      // of a file beside the document, with its folders
-inline constexpr std::size_t kMaxTags = 4096;      // of tags by name
-inline constexpr std::uint32_t kMaxOpened = 1000;  // requests for such files
+inline constexpr std::size_t kMaxText = 8192;                    // of an error or a path
+inline constexpr std::size_t kMaxName = scene::kMaxPathBeneath;  // of a file beside the document
+inline constexpr std::size_t kMaxTags = 4096;                    // of tags by name
+inline constexpr std::uint32_t kMaxOpened = 1000;                // requests for such files
 
 enum class Kind : std::uint32_t {
   kSceneJob = 1,

@@ -114,16 +114,11 @@ class DrawnReader {
   }
 
   void Draw(const NodeVisit& node, const std::vector<MeshPart>& parts) {
-    const auto instances = instances_.find(node.node);
     for (const MeshPart& part : parts) {
       if (part.decoded.triangles.empty()) continue;
-      if (node.skin && !part.decoded.placed)
-        Note(part.from.pointer, "has no JOINTS_0 and WEIGHTS_0; the node places it, not its joints");
+      if (node.skin && !part.decoded.placed) Note(part.from.pointer, kHasNoJoints);
       const DrawnPaint paint = PaintOf(part.from);
-      const glm::dmat4 placed = part.decoded.placed ? glm::dmat4(1.0) : node.world;
-      const std::vector<glm::dmat4> places =
-          instances == instances_.end() ? std::vector{placed} : PlacesOf(node, placed, instances->second);
-      for (const glm::dmat4& place : places) Draw(node, place, part.decoded, paint);
+      for (const glm::dmat4& place : PlacesOf(node, part.decoded, instances_)) Draw(node, place, part.decoded, paint);
     }
   }
 
@@ -217,10 +212,10 @@ class DrawnReader {
   const bool z_up_;
   LoadReport report_;
   GltfFile file_;
-  std::vector<std::vector<MeshPart>> parts_;                  // by request
-  std::map<std::uint32_t, std::vector<Instance>> instances_;  // by node
-  std::set<std::string> textured_;                            // materials with an image, by pointer
-  std::string skipped_;                                       // the first primitive that is not drawn, and why
+  std::vector<std::vector<MeshPart>> parts_;  // by request
+  InstancesByNode instances_;
+  std::set<std::string> textured_;  // materials with an image, by pointer
+  std::string skipped_;             // the first primitive that is not drawn, and why
   DrawnScene scene_;
 };
 

@@ -321,7 +321,6 @@ class SceneReader::Loader {
     object.source = node.pointer;
     object.kinematic = options_.all_kinematic;
     std::uint64_t bytes = 0;
-    const auto instances = instances_.find(node.node);
     std::size_t copies = 1;
     for (auto& [primitive, decoded] : parts) {
       bytes += std::exchange(primitive->bytes, 0);
@@ -332,14 +331,11 @@ class SceneReader::Loader {
       object.kinematic = object.kinematic || tag.kinematic.value_or(false);
       const std::uint16_t material = binding_->MaterialIndex(MaterialFor(tag, node, *primitive), primitive->pointer);
       report_.material_uses.push_back({*node.mesh, primitive->primitive, material});
-      const glm::dmat4 placed = decoded.placed ? glm::dmat4(1.0) : node.world;
-      const std::vector<glm::dmat4> places =
-          instances == instances_.end() ? std::vector{placed} : PlacesOf(node, placed, instances->second);
+      const std::vector<glm::dmat4> places = PlacesOf(node, decoded, instances_);
       copies = places.size();
       for (const glm::dmat4& place : places) Append(node, place, decoded, material, object);
       if (!places.empty()) float_steps_.Note(node.pointer, places[0], decoded);
-      if (node.skin && !decoded.placed)
-        warnings_.Add(primitive->pointer, "has no JOINTS_0 and WEIGHTS_0; the node places it, not its joints");
+      if (node.skin && !decoded.placed) warnings_.Add(primitive->pointer, kHasNoJoints);
     }
     if (object.triangles.empty()) return Explain(node, false, "no triangles");
     std::string why = any_tag_ ? (object.car_wall ? "role wall: touched, and the vehicle hits it" : "haptic tag")
@@ -442,8 +438,8 @@ class SceneReader::Loader {
   std::vector<std::uint32_t> instanced_;  // nodes
   Subset subset_;
   TextureReader textures_{file_, warnings_};
-  std::vector<std::vector<MeshPart>> parts_;                  // by request
-  std::map<std::uint32_t, std::vector<Instance>> instances_;  // by node
+  std::vector<std::vector<MeshPart>> parts_;  // by request
+  InstancesByNode instances_;
   std::vector<haptics::Checkpoint> checkpoints_;
   std::vector<ObjectSource> sources_;  // of input_.objects
   FloatSteps float_steps_;

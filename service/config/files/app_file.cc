@@ -24,7 +24,6 @@ constexpr Range kForceScale{0, 1};
 constexpr Range kRestAfter_s{-1, 86400};
 constexpr std::size_t kMaxProfileBytes = 127;
 constexpr std::size_t kMaxTags = 64, kMaxNameBytes = 127;
-constexpr std::size_t kMaxTagBytes = 4096;  // of all, as JSON; the builder takes no more
 constexpr std::string_view kProfilePrefix = "/interaction_profiles/";
 constexpr std::string_view kPlacements[] = {"as_authored", "fit"};
 constexpr std::string_view kTouches[] = {"tagged", "all"};

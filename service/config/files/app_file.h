@@ -26,6 +26,8 @@ enum class Placement { kAsAuthored, kFit };  // kFit: scaled and moved into reac
 // What can be touched in a file without any haptic tag: nothing, or all of it with the default material.
 enum class Touch { kTagged, kAll };
 
+inline constexpr std::size_t kMaxTagBytes = 4096;  // of AppEntry::tags
+
 struct AppEntry {
   std::string file;              // where it came from, for messages
   std::string application_glob;  // fnmatch pattern on XrApplicationInfo::applicationName

@@ -17,6 +17,7 @@
 #include "service/base/files/whole_file.h"
 #include "service/base/sealed_memory.h"
 #include "service/builder/messages.h"
+#include "service/config/files/app_file.h"
 #include "service/daemon/scenes/builder_process.h"
 #include "service/protocol/text.h"
 #include "service/scene/cache/cached_scene.h"
@@ -29,6 +30,8 @@ namespace {
 constexpr std::size_t kCopied = 64u << 20;  // between two looks at whether the build is still wanted
 // Reports go beside the block: rows and names of nodes.
 constexpr std::uint64_t kReports = 8u << 20, kReportsPerJsonByte = 8, kMostJson = 64u << 20;
+
+static_assert(config::kMaxTagBytes <= builder::kMaxTags, "what a file may say is taken");
 
 constexpr const char* kBroken = "the builder broke its protocol; its result is not used";
 

@@ -16,8 +16,6 @@
 namespace omni::scene {
 namespace {
 
-constexpr std::size_t kMaxPathBeneath = 1024;
-
 std::string ReasonOf(int error) { return std::error_code(error, std::generic_category()).message(); }
 
 }  // namespace

@@ -73,6 +73,8 @@ class FilesInFolder final : public FilesBeside {
   const std::string folder_;
 };
 
+inline constexpr std::size_t kMaxPathBeneath = 1024;
+
 // A file in the document's own folder or beneath it, "textures/clay.bin": no scheme, "..", backslash or NUL byte, and
 // not absolute. A scene file must not make the service open files elsewhere.
 bool IsPathBeneath(std::string_view path);

@@ -13,6 +13,9 @@
 
 namespace omni::scene {
 
+// Said where a node has a skin, and a primitive of its mesh is not placed by it.
+inline constexpr const char* kHasNoJoints = "has no JOINTS_0 and WEIGHTS_0; the node places it, not its joints";
+
 struct DecodedPrimitive {
   std::vector<base::Vec3> positions;  // glTF frame of the mesh, morphed; only vertices that a triangle uses
   bool placed = false;                // its joints have placed it: positions are in the frame of the scene

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <glm/gtc/quaternion.hpp>
-#include <map>
 #include <optional>
 #include <string>
 
@@ -40,10 +39,13 @@ std::uint64_t CountInstances(const Json& root, std::uint32_t node) {
 }
 
 // X = T R S of each   [EXT_mesh_gpu_instancing]
-std::vector<glm::dmat4> PlacesOf(const NodeVisit& node, const glm::dmat4& placed,
-                                 const std::vector<Instance>& instances) {
+std::vector<glm::dmat4> PlacesOf(const NodeVisit& node, const DecodedPrimitive& decoded,
+                                 const InstancesByNode& instances) {
+  const glm::dmat4 placed = decoded.placed ? glm::dmat4(1.0) : node.world;
+  const auto own = instances.find(node.node);
+  if (own == instances.end()) return {placed};
   std::vector<glm::dmat4> places;
-  for (const auto& [t, q, s] : instances) {
+  for (const auto& [t, q, s] : own->second) {
     glm::dmat4 X(1.0);
     const glm::dquat turn(q[3], q[0], q[1], q[2]);
     if (!(glm::length(turn) > 1e-6))

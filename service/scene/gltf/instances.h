@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <glm/mat4x4.hpp>
+#include <map>
 #include <vector>
 
 #include "service/scene/gltf/gltf_decode.h"
@@ -19,9 +20,13 @@ bool IsInstanced(const Json& root, std::uint32_t node);
 // How often a node's mesh is there; 1 without the extension. Throws LoadError.
 std::uint64_t CountInstances(const Json& root, std::uint32_t node);
 
-// Its transforms, mesh -> scene, one per instance, where `placed` is that of the node. Throws LoadError.
-std::vector<glm::dmat4> PlacesOf(const NodeVisit& node, const glm::dmat4& placed,
-                                 const std::vector<Instance>& instances);
+// Instances of nodes that have some.
+using InstancesByNode = std::map<std::uint32_t, std::vector<Instance>>;
+
+// The places of a primitive of the node's mesh, mesh -> scene, one per instance; what its joints have placed stays
+// there. Throws LoadError.
+std::vector<glm::dmat4> PlacesOf(const NodeVisit& node, const DecodedPrimitive& decoded,
+                                 const InstancesByNode& instances);
 
 // What a primitive has, by the counts of its accessors: corners name at most three vertices each, and bytes are those
 // of positions and corners. Points and lines have none.

@@ -13,7 +13,6 @@ using Mode = MeshoptView::Mode;
 using Filter = MeshoptView::Filter;
 
 constexpr const char* kExtensions[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
-constexpr std::uint64_t kMaxOffset = 1ull << 40;
 constexpr std::uint64_t kMaxCount = 1ull << 32;
 
 template <class Value>
@@ -59,8 +58,8 @@ std::optional<MeshoptView> MeshoptOf(const Json& root, std::uint32_t number) {
     const auto buffer = ReadIndex(*compressed, view.pointer, "buffer", CountOf(root, "buffers"));
     if (!buffer) throw LoadError(JoinPointer(view.pointer, "buffer"), "is missing");
     view.buffer = *buffer;
-    view.offset = ReadInteger(*compressed, view.pointer, "byteOffset", kMaxOffset, 0);
-    view.length = ReadInteger(*compressed, view.pointer, "byteLength", kMaxOffset, std::nullopt);
+    view.offset = ReadInteger(*compressed, view.pointer, "byteOffset", kMaxViewOffset, 0);
+    view.length = ReadInteger(*compressed, view.pointer, "byteLength", kMaxViewOffset, std::nullopt);
     view.stride = static_cast<std::size_t>(ReadInteger(*compressed, view.pointer, "byteStride", 256, std::nullopt));
     view.count = ReadInteger(*compressed, view.pointer, "count", kMaxCount, std::nullopt);
     view.mode = WordOf(kModes, *compressed, view.pointer, "mode", "");
@@ -116,8 +115,8 @@ std::uint64_t MeshoptBytes(const Json& root) {
         const Json* found = FindMember(*compressed, key);
         return std::min(found ? found->whole().value_or(0) : 0, most);
       };
-      bytes += number("byteLength", kMaxOffset) + number("count", kMaxCount) * number("byteStride", 256);
-      bytes = std::min(bytes, kMaxOffset);
+      bytes += number("byteLength", kMaxViewOffset) + number("count", kMaxCount) * number("byteStride", 256);
+      bytes = std::min(bytes, kMaxViewOffset);
     }
   }
   return bytes;

@@ -11,6 +11,8 @@
 
 namespace omni::scene {
 
+inline constexpr std::uint64_t kMaxViewOffset = 1ull << 40;  // of bytes in a buffer
+
 struct MeshoptView {
   std::string pointer;  // /bufferViews/0/extensions/EXT_meshopt_compression
   std::uint32_t buffer = 0;

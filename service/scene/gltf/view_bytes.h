@@ -15,8 +15,6 @@
 
 namespace omni::scene {
 
-inline constexpr std::uint64_t kMaxViewOffset = 1ull << 40;
-
 class ViewBytes {
  public:
   explicit ViewBytes(GltfFile& file) : file_(file) {}

@@ -71,10 +71,8 @@ struct ExplainArguments {
 int Explain(const ExplainArguments& arguments) {
   const base::Result<std::string> path = FindScene(arguments.scene);
   if (!path.ok()) return FailWith(arguments.as_json, "omni scene explain", path.error());
-  scene::LoadOptions options{.touch_untagged = arguments.fit || arguments.touch_all,
-                             .z_up = arguments.up == "z",
-                             .fit = arguments.fit,
-                             .hull_radius_m = config::DefaultDevice().hull_radius_m};
+  scene::LoadOptions options = LoadOptionsOf(arguments);
+  options.hull_radius_m = config::DefaultDevice().hull_radius_m;
   if (!arguments.app.empty()) {
     const base::Result<std::string> text = config::ReadTextFile(arguments.app);
     if (!text.ok()) return FailWith(arguments.as_json, "omni scene explain", text.error());

@@ -22,6 +22,12 @@ struct LoadedScene {
   scene::LiveReport live;  // of LoadLiveScene
 };
 
+// As a command's --fit, --touch-all and --up say.
+template <class Arguments>
+scene::LoadOptions LoadOptionsOf(const Arguments& arguments) {
+  return {.touch_untagged = arguments.fit || arguments.touch_all, .z_up = arguments.up == "z", .fit = arguments.fit};
+}
+
 // `cached`: through the user's cache (config::CacheFolder), as omnid does; false: always built.
 base::Result<LoadedScene> LoadScene(const std::string& path, const scene::LoadOptions& options, bool cached = true);
 

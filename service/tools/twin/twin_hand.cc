@@ -70,9 +70,7 @@ int TwinHand(const HandArguments& arguments) {
   const base::Result<std::string> found = FindScene(arguments.scene);
   if (!found.ok()) return Fail(kHandCommand, found.error());
   const std::string& path = *found;
-  const auto loaded = LoadScene(
-      path,
-      {.touch_untagged = arguments.fit || arguments.touch_all, .z_up = arguments.up == "z", .fit = arguments.fit});
+  const auto loaded = LoadScene(path, LoadOptionsOf(arguments));
   if (!loaded.ok()) return Fail(kHandCommand, loaded.error());
   const auto intent = IntentFor(
       loaded->scene,

@@ -144,9 +144,7 @@ int RunTwin(const RunArguments& arguments) {
   const base::Result<std::string> found = FindScene(arguments.scene);
   if (!found.ok()) return Fail("omni twin run", found.error());
   const std::string& path = *found;
-  auto loaded = LoadLiveScene(
-      path,
-      {.touch_untagged = arguments.fit || arguments.touch_all, .z_up = arguments.up == "z", .fit = arguments.fit});
+  auto loaded = LoadLiveScene(path, LoadOptionsOf(arguments));
   if (!loaded.ok()) return Fail("omni twin run", loaded.error());
   for (const std::string& line : loaded->live.lines) Fail("omni twin run", path + ": " + line);
   auto hand = HandFor(arguments, path, loaded->scene);
@@ -220,9 +218,7 @@ base::Result<sim::HandScript> PathFor(const PathArguments& arguments) {
   const base::Result<std::string> found = FindScene(arguments.scene);
   if (!found.ok()) return base::Error{found.error()};
   const std::string& path = *found;
-  auto loaded = LoadScene(
-      path,
-      {.touch_untagged = arguments.fit || arguments.touch_all, .z_up = arguments.up == "z", .fit = arguments.fit});
+  auto loaded = LoadScene(path, LoadOptionsOf(arguments));
   if (!loaded.ok()) return base::Error{loaded.error()};
   auto hand = MakeHandPath(loaded->scene, {.places = {.hull_radius_m = config::DefaultDevice().hull_radius_m}});
   if (!hand.ok()) return base::Error{path + ": " + hand.error()};
