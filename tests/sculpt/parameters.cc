@@ -1,6 +1,9 @@
 // Pressing, holding, pulling and letting go, on a real surface that is edited and published meanwhile.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "service/haptics/sculpt/mesh/check_manifold.h"
 #include "service/haptics/sculpt/sculpt_query.h"
 #include "tests/support/alloc_probe.h"
@@ -140,6 +143,17 @@ TEST(SculptParametersTest, ReleasesATipAtRestDespiteNoise) {
   Random random(9);
   const double rest_m = top_m - 0.0015 + hand.state().offset_m + hand.state().start_force_N / 400;
   for (int k = 0; k < 900; ++k) hand.MoveTo({0, 0, rest_m + random.Uniform(-6e-4, 6e-4)});  // of 1 ms each
+  EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
+}
+
+TEST(SculptParametersTest, ReleasesAHandThatTrembles) {
+  SculptHand hand(Sphere(20, kRadius_m), {}, FiveMillimetres());
+  const double top_m = TopOf(hand.editor());
+  Grab(hand, top_m);
+  hand.Go({0, 0, top_m + 0.006}, 0.03);
+  ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
+  const double rest_m = top_m - 0.0015 + hand.state().offset_m + hand.state().start_force_N / 400;
+  for (int k = 0; k < 1500; ++k) hand.MoveTo({0, 0, rest_m + 7e-4 * std::sin(2 * std::numbers::pi * 0.005 * k)});
   EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
 }
 

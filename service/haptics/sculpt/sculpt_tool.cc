@@ -7,13 +7,17 @@ constexpr double kLetGoShare = 0.8;    // of the grab force: hysteresis while pr
 constexpr double kArmShare = 0.5;      // of the grab force: a press below is none
 constexpr double kRest_N = 0.12;       // below, the tip is neither pressed nor pulled: several times its noise
 constexpr double kFastest_m_s = 0.25;  // that the surface follows
-constexpr double kRest_m = 1.5e-4;     // a tip whose smoothed height stays within rests: others move, if slowly
-constexpr double kSmooth_s = 0.05;     // a height that trembles or is noisy
 constexpr double kFarthestTip_m = 100;
+
+// A tip whose height, smoothed for so long, stays within so much rests: others move, if slowly.
+struct Stillness {
+  double smooth_s, within_m;
+};
+constexpr std::array kStill{Stillness{0.05, 1.5e-4}, Stillness{0.2, 3e-4}};  // a noisy pen; a hand that trembles
 
 void Take(const SculptInput& input, SculptToolState& state) noexcept {
   state.phase = SculptPhase::kHeld;
-  state.height_m = state.rested_s = state.rest_height_m = 0;
+  state.rests = {};
   state.grip_base_m = input.tip_base_m;
   state.normal = input.touch.normal;
   state.start_force_N = input.touch.normal_force_N;
@@ -74,6 +78,23 @@ bool IsTorn(const SculptParameters& parameters, double height_m, double stiffnes
            stretch_m >= -parameters.tear_m - std::min(in_m, parameters.offset_max_m));
 }
 
+// Neither pressed nor pulled, and still, for as long as the material says.
+bool HasRested(const SculptParameters& parameters, double height_m, double stiffness_N_m, double dt_s,
+               SculptToolState& state) noexcept {
+  bool rested = false;
+  for (std::size_t n = 0; n < kStill.size(); ++n) {
+    TipRest& rest = state.rests[n];
+    rest.height_m += dt_s / (dt_s + kStill[n].smooth_s) * (height_m - rest.height_m);
+    const double smooth_N = state.start_force_N - stiffness_N_m * (rest.height_m - state.offset_m);
+    const bool stays = std::abs(rest.height_m - rest.rest_height_m) < kStill[n].within_m;
+    const bool rests = stays && std::abs(smooth_N) < kRest_N;
+    rest.rested_s = rests ? rest.rested_s + dt_s : 0;
+    if (!rests) rest.rest_height_m = rest.height_m;
+    rested |= rest.rested_s >= parameters.rest_s;
+  }
+  return rested && parameters.rest_s > 0;
+}
+
 void StepHeld(const SculptParameters& parameters, const SculptInput& input, SculptToolState& state) noexcept {
   const Vec3 from_grip = input.tip_base_m - state.grip_base_m;
   const double height_m = Dot(from_grip, state.normal);
@@ -85,16 +106,9 @@ void StepHeld(const SculptParameters& parameters, const SculptInput& input, Scul
   const double side_N = std::min(side_k * side_m, parameters.side_force_max_N);
   state.held_force_N = std::clamp(normal_N, -parameters.hold_force_max_N, parameters.hold_force_max_N) * state.normal -
                        side_N * Normalized(sideways);
-  state.height_m += input.dt_s / (input.dt_s + kSmooth_s) * (height_m - state.height_m);
-  const double smooth_N = state.start_force_N - k * (state.height_m - state.offset_m);
-  const bool strained = std::abs(smooth_N) >= kRest_N;
-  const bool stays = std::abs(state.height_m - state.rest_height_m) < kRest_m;
-  const bool rests = stays && !strained;
-  state.rested_s = rests ? state.rested_s + input.dt_s : 0;
-  if (!rests) state.rest_height_m = state.height_m;
+  const bool rested = HasRested(parameters, height_m, k, input.dt_s, state);
   const bool torn = IsTorn(parameters, height_m, k, state) || !(side_m <= input.brush.radius_m + parameters.tear_m);
-  const bool let_go = parameters.rest_s > 0 && state.rested_s >= parameters.rest_s;
-  if (torn || let_go) state.phase = SculptPhase::kSettling;
+  if (torn || rested) state.phase = SculptPhase::kSettling;
 }
 
 void StepSettling(const SculptParameters& parameters, double dt_s, SculptToolState& state) noexcept {

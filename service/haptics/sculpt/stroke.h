@@ -62,15 +62,20 @@ using StrokeRing = base::SpscRing<StrokeMessage, 512>;
 // What the tick remembers of sculpting: sculpt_tool.h.
 enum class SculptPhase : std::uint8_t { kFree = 0, kPressed = 1, kHeld = 2, kSettling = 3 };
 
+// Whether the tip rests: its smoothed height stays where it was.
+struct TipRest {
+  double height_m = 0;       // over the grip, smoothed
+  double rested_s = 0;       // that it has stayed ...
+  double rest_height_m = 0;  // ... here
+};
+
 struct SculptToolState {
   SculptPhase phase = SculptPhase::kFree;
   bool armed = true;  // a new grab needs the pen to have let off since the last
   double timer_s = 0;
-  double height_m = 0;       // of the tip over the grip, smoothed
-  double rested_s = 0;       // that it has stayed ...
-  double rest_height_m = 0;  // ... here
-  Vec3 grip_base_m;          // tip when taken
-  Vec3 normal;               // of the surface when taken
+  std::array<TipRest, 2> rests;  // of a still hand, and of one that trembles
+  Vec3 grip_base_m;              // tip when taken
+  Vec3 normal;                   // of the surface when taken
   double start_force_N = 0;
   double offset_m = 0;       // that the surface has been moved so far
   double hold = 0;           // share of the tool's force, the contact has the rest
