@@ -44,6 +44,24 @@ class Sources(unittest.TestCase):
         self.assertEqual(check.each(jobs, time.monotonic() - 1), ({}, 3))
 
 
+class Threads(unittest.TestCase):
+    def starts_threads(self, text):
+        with tempfile.TemporaryDirectory() as folder:
+            source, program = pathlib.Path(folder) / "one.cc", pathlib.Path(folder) / "one"
+            source.write_text(text)
+            check.must(["c++", "-std=c++20", "-o", str(program), str(source), "-pthread"])
+            return check.starts_threads(program)
+
+    def test_a_program_that_can_start_a_thread_is_known(self):
+        self.assertTrue(self.starts_threads("#include <thread>\nint main() { std::thread([] {}).join(); }\n"))
+        self.assertTrue(self.starts_threads("#include <future>\nint main() { return std::async([] { return 0; }).get(); }\n"))
+        self.assertTrue(self.starts_threads("#include <pthread.h>\nvoid* Run(void*) { return nullptr; }\n"
+                                            "int main() { pthread_t id; return pthread_create(&id, nullptr, Run, nullptr); }\n"))
+
+    def test_a_program_that_cannot_is_known(self):
+        self.assertFalse(self.starts_threads("#include <mutex>\nint main() { std::mutex one; one.lock(); one.unlock(); }\n"))
+
+
 class JoinedSources(unittest.TestCase):
     BAD = "int Read() {\n  const int* p = nullptr;\n  return *p;\n}\n"
 
