@@ -115,9 +115,9 @@ inline std::string EncodeDraco(const std::vector<std::array<std::uint32_t, 3>>& 
   return {buffer.data(), buffer.size()};
 }
 
-// The first primitive's data is `encoded`, and nothing of it plain any more; its attributes are numbered as listed.
-inline void UseDraco(Model& model, const std::string& encoded, const std::vector<DracoAttribute>& attributes) {
-  Json& primitive = model.json["meshes"][0]["primitives"][0];
+// A primitive's data is `encoded`, and nothing of it plain any more; its attributes are numbered as listed.
+inline void UseDraco(Model& model, const std::string& encoded, const std::vector<DracoAttribute>& attributes,
+                     Json& primitive) {
   Json numbers = Json::object();
   for (std::size_t i = 0; i < attributes.size(); ++i) {
     numbers[attributes[i].name] = i;
@@ -130,6 +130,10 @@ inline void UseDraco(Model& model, const std::string& encoded, const std::vector
                                                            {"attributes", numbers}};
   model.json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
   model.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+}
+
+inline void UseDraco(Model& model, const std::string& encoded, const std::vector<DracoAttribute>& attributes) {
+  UseDraco(model, encoded, attributes, model.json["meshes"][0]["primitives"][0]);
 }
 
 inline DracoAttribute TetraDracoPositions() {
