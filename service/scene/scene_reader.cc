@@ -107,9 +107,11 @@ class SceneReader::Loader {
     DecodeMeshes();
     for (std::size_t i = 0; i < touched_.size(); ++i) AddObject(*touched_[i], parts_[request_of_[i]]);
     if (input_.objects.empty() && !input_.joystick) {
-      throw LoadError(
-          "",
-          "has nothing to touch: no visible node with triangles; check the export, or the roles in its haptic tags");
+      const std::string lost(TagsLostBy(file_.root()));
+      throw LoadError("",
+                      "has nothing to touch: no visible node with triangles; check the export, or the roles in its "
+                      "haptic tags" +
+                          (lost.empty() ? "" : "; /asset/generator " + lost));
     }
     const std::size_t objects = input_.objects.size();
     if (JoinBeyondLimit(input_.objects)) {
@@ -186,6 +188,11 @@ class SceneReader::Loader {
     ExplainUnread();
   }
 
+  void WarnOfLostTags() {
+    if (const std::string_view lost = TagsLostBy(file_.root()); !lost.empty())
+      warnings_.Add("/asset/generator", std::string(lost));
+  }
+
   void AddJoystick(const NodeVisit& node) {
     if (input_.joystick) {
       warnings_.Add(node.pointer, "is a second joystick and is ignored; a scene has one");
@@ -245,10 +252,11 @@ class SceneReader::Loader {
     file_.Open(path_, options_, report_);
     input_.name = std::filesystem::path(path_).stem().string();
     named_.emplace(options_.tags_by_name, warnings_);
-    named_->WarnOfUnknown(file_.root(), warnings_);
+    const bool unknown_names = named_->WarnOfUnknown(file_.root(), warnings_);
     nodes_ = WalkNodes(file_.root(), options_, warnings_, &*named_);
     binding_.emplace(file_.root(), *named_, warnings_);
     touched_ = Choose();
+    if (unknown_names || report_.skipped) WarnOfLostTags();
     if (!report_.skipped) RequestMeshes();
   }
 

@@ -68,6 +68,37 @@ TEST(SceneNamedTags, UnknownNamesAndKeysAreWarnedAbout) {
   EXPECT_EQ(loaded.report.warnings.size(), 3U) << all;
 }
 
+// What the program that wrote the file does to tags is said where these are missing, and nowhere else.
+TEST(SceneNamedTags, ProgramsThatDropTagsAreNamed) {
+  const auto written_by = [](const char* generator) {
+    Model model = Two();
+    model.json["asset"]["generator"] = generator;
+    return model;
+  };
+  const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  for (const auto& [generator, remedy] :
+       {std::pair("gltfpack 1.3", "/asset/generator: is gltfpack, which drops names and extras: -kn -km -ke keep"),
+        std::pair("glTF-Transform v4.5.1", "`optimize` keeps these with --flatten false --join false")}) {
+    Model model = written_by(generator);
+    const Loaded untagged = LoadTagged(model, "");
+    EXPECT_TRUE(untagged.report.skipped);
+    EXPECT_TRUE(has(untagged.Warnings(), remedy)) << untagged.Warnings();
+    EXPECT_TRUE(has(LoadTagged(model, R"({"tetra": {}, "lost": {}})").Warnings(), remedy));
+    EXPECT_FALSE(has(LoadTagged(model, R"({"tetra": {}})").Warnings(), "generator")) << "nothing is missing";
+    EXPECT_FALSE(has(LoadBytes(model.Bytes()).Warnings(), "generator")) << "all of it was requested";
+    // Joined into one that is not touched.
+    model.json["nodes"][0]["extras"]["haptic"] = "track";
+    const Loaded nothing = LoadTagged(model, "");
+    ASSERT_FALSE(nothing.result.ok());
+    EXPECT_TRUE(has(nothing.result.error(), "has nothing to touch")) << nothing.result.error();
+    EXPECT_TRUE(has(nothing.result.error(), generator == std::string("gltfpack 1.3") ? "-kn -km -ke" : "--join false"));
+  }
+  EXPECT_FALSE(has(LoadTagged(written_by("Blender"), "").Warnings(), "generator"));
+  Model odd = written_by("");
+  odd.json["asset"]["generator"] = 7;
+  EXPECT_TRUE(LoadTagged(odd, "").report.skipped);
+}
+
 TEST(SceneNamedTags, ArePartOfTheCachesKey) {
   const TempFolder folder;
   CacheStore cache(folder.Path("cache"));

@@ -337,8 +337,8 @@ void NamedTags::OverrideNamed(const Json& owner, HapticTag& tag) const {
   if (found != tags_.end()) tag.OverrideBy(found->second);
 }
 
-void NamedTags::WarnOfUnknown(const Json& root, Warnings& warnings) const {
-  if (tags_.empty()) return;
+bool NamedTags::WarnOfUnknown(const Json& root, Warnings& warnings) const {
+  if (tags_.empty()) return false;
   std::vector<std::string_view> names;
   std::map<std::string, bool, std::less<>> unknown;
   for (const auto& [name, tag] : tags_) unknown[name] = true;
@@ -351,11 +351,32 @@ void NamedTags::WarnOfUnknown(const Json& root, Warnings& warnings) const {
       if (names.size() < kMaxNames) names.push_back(name->text());
     }
   }
+  bool any = false;
   for (const auto& [name, is_unknown] : unknown) {
     if (!is_unknown) continue;
+    any = true;
     warnings.Add("tag \"" + name + "\"",
                  "is of no node and no material of this file, and is not used" + base::DidYouMean(name, names));
   }
+  return any;
+}
+
+std::string_view TagsLostBy(const Json& root) {
+  constexpr std::pair<std::string_view, std::string_view> kOptimisers[] = {
+      {"gltfpack",
+       "is gltfpack, which drops names and extras: -kn -km -ke keep those of nodes and materials, so tag these; those "
+       "of "
+       "meshes, and MPEG_ and OMNI_ extensions, are dropped in any case"},
+      {"glTF-Transform",
+       "is glTF-Transform, which drops MPEG_ and OMNI_ extensions, so tag nodes and materials in extras.haptic; its "
+       "`optimize` keeps these with --flatten false --join false --instance false --palette false --prune false"}};
+  const Json* asset = FindMember(root, "asset");
+  const Json* generator = asset ? FindMember(*asset, "generator") : nullptr;
+  if (!generator || !generator->is_text()) return {};
+  for (const auto& [name, what] : kOptimisers) {
+    if (generator->text().starts_with(name)) return what;
+  }
+  return {};
 }
 
 double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& warnings) {

@@ -122,12 +122,15 @@ class NamedTags {
   // `owner`: a node or material of the document.
   void OverrideNamed(const Json& owner, HapticTag& tag) const;
 
-  // A warning for each name that no node and no material has.
-  void WarnOfUnknown(const Json& root, Warnings& warnings) const;
+  // A warning for each name that no node and no material has. Whether there was one.
+  bool WarnOfUnknown(const Json& root, Warnings& warnings) const;
 
  private:
   std::map<std::string, HapticTag, std::less<>> tags_;
 };
+
+// What the program that wrote the document is known to do to tags and names, and what prevents it; empty: nothing is.
+std::string_view TagsLostBy(const Json& root);
 
 // Radius of the tip's ball in `extras` of a scene, "haptic": {"tip": {"radius": m}} or "haptic.tip.radius"; 0: a point.
 double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& warnings);
