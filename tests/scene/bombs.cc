@@ -11,6 +11,7 @@
 #include "service/haptics/scene/scene.h"
 #include "service/scene/load_scene.h"
 #include "tests/scene/files.h"
+#include "tests/scene/stream_bombs.h"
 #include "tests/support/bombs.h"
 #include "tests/support/process/measured_child.h"
 
@@ -73,6 +74,8 @@ TEST(SceneBombs, TimeGrowsLinearlyWithFileSize) {
   constexpr std::size_t kBytes = 50'000;
   for (const Bomb& bomb : kSceneBombs)
     ExpectCostGrowsAsSize(bomb.name, Document(bomb.make(kBytes)), Document(bomb.make(8 * kBytes)));
+  for (const Bomb& bomb : kStreamBombs)
+    ExpectCostGrowsAsSize(bomb.name, Document(bomb.make(kBytes / 2)), Document(bomb.make(4 * kBytes)));
 }
 
 // The largest share have nodes of a few bytes, which become objects with names, tags and lines of explanation.
@@ -90,6 +93,20 @@ TEST(SceneBombs, MemoryIsBoundedByTheFile) {
   }
 }
 
+// A byte holds up to 16 vertices, which take 90 bytes each; and 64 MiB may be decoded from any file.
+TEST(SceneBombs, MemoryOfCompressedStreamsIsBoundedByWhatTheyHold) {
+  if (!omni::test::kMemoryCounts) GTEST_SKIP() << "the sanitizer takes memory of its own";
+  for (const Bomb& bomb : kStreamBombs) {
+    const Document document(bomb.make(200'000));
+    const auto outcome = RunInChild(0, [&] {
+      (void)document.Load();
+      return 0;
+    });
+    EXPECT_EQ(outcome.status, 0) << bomb.name;
+    EXPECT_LT(outcome.memory_MB, 16 * 90 * 0.2 + 150) << bomb.name;
+  }
+}
+
 // 48 MB of texts, and all the others, where there is memory for some of it only.
 TEST(SceneBombs, OutOfMemoryIsAnErrorNotACrash) {
   if (!omni::test::kMemoryCounts) GTEST_SKIP() << "the sanitizer takes memory of its own";
@@ -98,6 +115,16 @@ TEST(SceneBombs, OutOfMemoryIsAnErrorNotACrash) {
   for (const Bomb& bomb : kSceneBombs) {
     const Document document(bomb.make(400'000));
     for (const std::size_t space_MB : {1, 2, 3, 5, 8, 12, 20}) {
+      const auto outcome = RunInChild(space_MB, [&] {
+        (void)document.Load();
+        return 0;
+      });
+      EXPECT_EQ(outcome.status, 0) << bomb.name << " in " << space_MB << " MB";
+    }
+  }
+  for (const Bomb& bomb : kStreamBombs) {
+    const Document document(bomb.make(50'000));
+    for (const std::size_t space_MB : {1, 3, 8, 20, 60}) {
       const auto outcome = RunInChild(space_MB, [&] {
         (void)document.Load();
         return 0;

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "service/scene/scene_reader.h"
-#include "tests/scene/compressed.h"
+#include "tests/scene/stream_bombs.h"
 
 namespace omni::scene::test {
 namespace test_scene_draco {
@@ -138,6 +138,24 @@ TEST(SceneDraco, ExpansionIsLimited) {
   model.json["accessors"][0]["count"] = 6'000'000;
   model.json["accessors"][1]["count"] = 12'000'000;
   ExpectRefused(model, std::string(kPlace) + ": with those before, is decoded to more than");
+}
+
+// They are decoded with the others, whoever reads them; so are the tables of corners that each has of its own.
+TEST(SceneDraco, AttributesThatNothingReadsAreLimited) {
+  for (const bool edgebreaker : {false, true}) {
+    ExpectRefused(streams::DracoPlate(18'000, 240, edgebreaker),
+                  "its attributes, also those that are not read, are decoded to more than");
+    EXPECT_TRUE(LoadBytes(streams::DracoPlate(2'000, 8, edgebreaker).Bytes()).result.ok());
+  }
+}
+
+// A regular mesh is small: 64 times what its file holds is not much then.
+TEST(SceneDraco, APlateOfSquaresIsNotTooLarge) {
+  constexpr std::size_t kVertices = 100'000;
+  const Model model = streams::DracoPlate(kVertices, 3);
+  Loaded loaded = LoadBytes(model.Bytes());
+  ASSERT_TRUE(loaded.result.ok()) << loaded.result.error();
+  EXPECT_LT(64 * model.Bytes().size(), (4 * 6 + 12 + 3 * 16) * kVertices) << "or it is no test of that";
 }
 
 TEST(SceneDraco, DamagedStreamsAreRefusedOrLoadSoundly) {

@@ -8,7 +8,7 @@
 
 #include "service/scene/drawn_scene.h"
 #include "service/scene/scene_reader.h"
-#include "tests/scene/compressed.h"
+#include "tests/scene/stream_bombs.h"
 
 namespace omni::scene::test {
 namespace test_scene_meshopt {
@@ -189,6 +189,15 @@ TEST(SceneMeshopt, ExpansionIsLimited) {
   view["count"] = 4'000'000;
   view["byteStride"] = 256;
   ExpectRefused(model, std::string(kPlace) + ": with those before, is decoded to more than");
+}
+
+// Each view may have few bytes decoded, but all together cannot be read more often than any file has reason to.
+TEST(SceneMeshopt, ViewsThatShareBytesAreLimited) {
+  const Loaded loaded = LoadBytes(streams::EmptyViews(100'000));
+  ASSERT_FALSE(loaded.result.ok());
+  EXPECT_NE(loaded.result.error().find("/bufferViews: the touched meshes have more than"), std::string::npos)
+      << loaded.result.error();
+  EXPECT_LT(loaded.report.bytes_read, 1'000'000U);
 }
 
 // Every truncation, and bytes that are anything.

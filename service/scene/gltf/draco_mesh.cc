@@ -5,7 +5,8 @@
 #include <string_view>
 #include <utility>
 
-#include <draco/compression/decode.h>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
 #include <draco/core/varint_decoding.h>
 #include <draco/metadata/metadata_decoder.h>
 
@@ -30,7 +31,34 @@ constexpr std::uint64_t kVertexBytes = 24, kVertexAttributeBytes = 24;
 
 struct Counts {
   std::uint32_t triangles = 0, vertices = 0;  // fewer vertices than in the end, where attributes have seams
+  unsigned char seams = 0;                    // tables of corners besides that of positions, one for each attribute
   bool sequential = false;
+};
+
+// Knows before it decodes any attribute how large all are: a stream of a few bytes can hold as many and as wide ones as
+// it likes.
+template <class Decoder>
+class Bounded : public Decoder {
+ public:
+  explicit Bounded(std::uint64_t most_bytes) : most_bytes_(most_bytes) {}
+  bool exceeded() const { return exceeded_; }
+
+ protected:
+  bool DecodeAllAttributes() override {
+    std::uint64_t bytes = 0;
+    const draco::Mesh& mesh = *this->mesh();
+    for (int i = 0; i < mesh.num_attributes(); ++i) {
+      const draco::PointAttribute& attribute = *mesh.attribute(i);
+      bytes += std::uint64_t{mesh.num_points()} * attribute.num_components() *
+               static_cast<std::uint64_t>(std::max(4, draco::DataTypeLength(attribute.data_type())));
+    }
+    exceeded_ = bytes > most_bytes_;
+    return !exceeded_ && Decoder::DecodeAllAttributes();
+  }
+
+ private:
+  const std::uint64_t most_bytes_;
+  bool exceeded_ = false;
 };
 
 // The head of a stream: what the library would allocate memory for.
@@ -55,7 +83,7 @@ std::optional<Counts> HeadOf(std::span<const unsigned char> stored) {
       counts.sequential
           ? draco::DecodeVarint(&counts.triangles, &buffer) && draco::DecodeVarint(&counts.vertices, &buffer)
           : buffer.Decode(&traversal) && draco::DecodeVarint(&counts.vertices, &buffer) &&
-                draco::DecodeVarint(&counts.triangles, &buffer);
+                draco::DecodeVarint(&counts.triangles, &buffer) && buffer.Decode(&counts.seams);
   return counted ? std::optional(counts) : std::nullopt;
 }
 
@@ -85,7 +113,7 @@ std::optional<std::uint64_t> ComponentOf(draco::DataType type) {
 }  // namespace
 
 DracoMesh::DracoMesh(const std::string& pointer, std::span<const unsigned char> stored, std::uint64_t triangles,
-                     std::uint64_t vertices)
+                     std::uint64_t vertices, std::uint64_t most_bytes)
     : decoded_(std::make_unique<Decoded>()), triangles_(triangles), vertices_(vertices) {
   constexpr const char* kRemedy = "; export again, without mesh compression if that does not help";
   const std::optional<Counts> head = HeadOf(stored);
@@ -98,12 +126,20 @@ DracoMesh::DracoMesh(const std::string& pointer, std::span<const unsigned char> 
     throw mismatch(head->triangles, head->vertices);
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(stored.data()), stored.size());
-  draco::Decoder decoder;
-  auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-  if (!decoded.ok()) {
-    throw LoadError(pointer, "its data cannot be decoded (" + decoded.status().error_msg_string() + ")" + kRemedy);
+  decoded_->mesh = std::make_unique<draco::Mesh>();
+  bool exceeded = head->seams * 3 * kCornerAttributeBytes * triangles > most_bytes;
+  const auto decode = [&](auto decoder) {
+    const draco::Status status = decoder.Decode(draco::DecoderOptions(), &buffer, decoded_->mesh.get());
+    exceeded = decoder.exceeded();
+    if (!exceeded && !status.ok())
+      throw LoadError(pointer, "its data cannot be decoded (" + status.error_msg_string() + ")" + kRemedy);
+  };
+  if (!exceeded && head->sequential) decode(Bounded<draco::MeshSequentialDecoder>(most_bytes));
+  if (!exceeded && !head->sequential) decode(Bounded<draco::MeshEdgebreakerDecoder>(most_bytes));
+  if (exceeded) {
+    throw LoadError(pointer, "its attributes, also those that are not read, are decoded to more than " +
+                                 std::to_string(most_bytes) + " bytes; export again without them");
   }
-  decoded_->mesh = std::move(decoded).value();
   if (decoded_->mesh->num_faces() != triangles || decoded_->mesh->num_points() != vertices)
     throw mismatch(decoded_->mesh->num_faces(), decoded_->mesh->num_points());
 }

@@ -17,9 +17,10 @@ inline constexpr const char* kDracoExtension = "KHR_draco_mesh_compression";
 class DracoMesh {
  public:
   // `triangles` and `vertices`: how many the document says there are. The stream must say the same, which is known
-  // before memory is allocated for them. `pointer`: of the extension. Throws LoadError.
+  // before memory is allocated for them, and its attributes, also those that nobody reads, take `most_bytes` at most.
+  // `pointer`: of the extension. Throws LoadError.
   DracoMesh(const std::string& pointer, std::span<const unsigned char> stored, std::uint64_t triangles,
-            std::uint64_t vertices);
+            std::uint64_t vertices, std::uint64_t most_bytes);
   ~DracoMesh();
   DracoMesh(const DracoMesh&) = delete;
   DracoMesh& operator=(const DracoMesh&) = delete;

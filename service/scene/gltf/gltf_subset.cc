@@ -296,9 +296,9 @@ class SubsetBuilder {
     }
     const auto [mesh, fresh] = draco_meshes_.try_emplace(draco_.view);
     if (fresh) {
-      views_.CheckRoom(draco_.pointer, 4 * corners + 12 * vertices);
-      mesh->second.mesh =
-          std::make_unique<DracoMesh>(draco_.pointer, views_.ReadStored(draco_.view), corners / 3, vertices);
+      const std::vector<unsigned char> stored = views_.ReadStored(draco_.view);
+      const std::uint64_t room = views_.CheckRoom(draco_.pointer, 4 * corners + 12 * vertices);
+      mesh->second.mesh = std::make_unique<DracoMesh>(draco_.pointer, stored, corners / 3, vertices, room);
       SubsetAccessor run{.component = 5125, .count = static_cast<std::size_t>(corners), .zeros = false, .stride = 4};
       run.offset = views_.ReserveRoom(draco_.pointer, 4 * corners);
       mesh->second.mesh->CopyCorners(views_.data(run.offset));

@@ -11,8 +11,9 @@ constexpr std::uint64_t kMaxPackedBytes = 1ull << 30;
 // Accessors may share bytes, as those of interleaved vertices do: each attribute reaches over all of them. A file whose
 // accessors share more than a handful of attributes can would be far larger in memory than on disk.
 constexpr std::uint64_t kMaxShares = 6;
-// Of compressed meshes; those of exporters take a fourth to a thirtieth.
+// Of compressed meshes; those of exporters take a fourth to a thirtieth, regular ones far less: a few are always taken.
 constexpr std::uint64_t kMaxExpansion = 64;
+constexpr std::uint64_t kAlwaysDecoded = 64ull << 20;
 
 std::size_t AlignedUp(std::size_t size) { return (size + 3) / 4 * 4; }
 
@@ -64,6 +65,12 @@ std::size_t ViewBytes::Read(const Range& range) {
 std::vector<unsigned char> ViewBytes::ReadWhole(const Range& range) {
   unsigned char last = 0;
   if (range.bytes > 0) file_.ReadBuffer(range.buffer, range.offset + range.bytes - 1, &last, 1);
+  compressed_bytes_ += range.bytes;
+  if (const std::uint64_t most = kMaxShares * file_.stored_bytes(); compressed_bytes_ > most) {
+    throw LoadError("/bufferViews", "the touched meshes have more than " + std::to_string(most) +
+                                        " compressed bytes, six times what its files hold: views overlap, export it "
+                                        "again");
+  }
   std::vector<unsigned char> stored(static_cast<std::size_t>(range.bytes));
   file_.ReadBuffer(range.buffer, range.offset, stored.data(), stored.size());
   fresh_bytes_ += range.bytes;
@@ -72,14 +79,15 @@ std::vector<unsigned char> ViewBytes::ReadWhole(const Range& range) {
 
 std::vector<unsigned char> ViewBytes::ReadStored(std::uint32_t view) { return ReadWhole(RangeOf(view)); }
 
-void ViewBytes::CheckRoom(const std::string& pointer, std::uint64_t bytes) const {
-  const std::uint64_t most = std::min(kMaxPackedBytes, kMaxExpansion * file_.stored_bytes());
-  if (bytes > most - std::min(decoded_bytes_, most)) {
-    const std::string why = most == kMaxPackedBytes
-                                ? "the limit; simplify the model"
-                                : std::to_string(kMaxExpansion) + " times what its files hold; export it again";
+std::uint64_t ViewBytes::CheckRoom(const std::string& pointer, std::uint64_t bytes) const {
+  const std::uint64_t most = std::clamp(kMaxExpansion * file_.stored_bytes(), kAlwaysDecoded, kMaxPackedBytes);
+  const std::uint64_t room = most - std::min(decoded_bytes_, most);
+  if (bytes > room) {
+    const std::string why = most == kMaxPackedBytes ? "the limit; simplify the model"
+                                                    : "64 MiB and 64 times what its files hold; export it again";
     throw LoadError(pointer, "with those before, is decoded to more than " + std::to_string(most) + " bytes, " + why);
   }
+  return room;
 }
 
 std::size_t ViewBytes::ReserveRoom(const std::string& pointer, std::uint64_t bytes) {

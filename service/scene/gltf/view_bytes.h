@@ -25,8 +25,9 @@ class ViewBytes {
   // All bytes of a view as they are stored. Throws LoadError.
   std::vector<unsigned char> ReadStored(std::uint32_t view);
 
-  // Room for bytes that `pointer` is decoded to. Throws LoadError, and does so before it is decoded by CheckRoom.
-  void CheckRoom(const std::string& pointer, std::uint64_t bytes) const;
+  // Room for bytes that `pointer` is decoded to. Throws LoadError, and does so before it is decoded by CheckRoom, which
+  // gives what there is.
+  std::uint64_t CheckRoom(const std::string& pointer, std::uint64_t bytes) const;
   std::size_t ReserveRoom(const std::string& pointer, std::uint64_t bytes);
   unsigned char* data(std::size_t at) { return bytes_.data() + at; }
 
@@ -52,6 +53,7 @@ class ViewBytes {
   std::map<std::uint32_t, bool> fallbacks_;              // by buffer
   std::vector<unsigned char> bytes_;
   std::uint64_t fresh_bytes_ = 0, decoded_bytes_ = 0;
+  std::uint64_t compressed_bytes_ = 0;  // read to be decoded
 };
 
 }  // namespace omni::scene

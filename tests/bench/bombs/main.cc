@@ -22,6 +22,7 @@
 #include "tests/bench/bombs/giants.h"
 #include "tests/bench/bombs/measure.h"
 #include "tests/bench/harness/work_folder.h"
+#include "tests/scene/stream_bombs.h"
 #include "tests/support/bombs.h"
 
 namespace omni::bombs {
@@ -61,6 +62,7 @@ std::vector<SceneFile> WriteScenes(std::size_t bytes, const fs::path& folder) {
     scenes.push_back({name, file.string()});
   };
   for (const test::Bomb& bomb : test::kSceneBombs) add(bomb.name, bomb.make(bytes));
+  for (const test::Bomb& bomb : scene::test::kStreamBombs) add(bomb.name, bomb.make(bytes));
   add("empty texts, 16 times as many", test::kSceneBombs[2].make(16 * bytes));
   add("100,000 honest nodes", test::bombs::HonestNodes());
   return scenes;
