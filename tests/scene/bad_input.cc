@@ -169,6 +169,12 @@ TEST(SceneBadInput, RejectsNonFinitePositions) {
     positions[4] = bad;
     model.bin = Bytes(positions) + Bytes(TetraIndices());
     ExpectRefused(LoadBytes(model.Bytes()), "/accessors/0: vertex 1 is not finite");
+    Model unused = Tetra();
+    positions = TetraPositions();
+    positions.insert(positions.end(), 3, bad);
+    const Json five = {{"componentType", 5126}, {"count", 5}, {"type", "VEC3"}};
+    unused.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = AddAccessor(unused, Bytes(positions), five);
+    EXPECT_TRUE(LoadBytes(unused.Bytes()).result.ok()) << "no triangle has it";
   }
 }
 
