@@ -364,9 +364,8 @@ bool NamedTags::WarnOfUnknown(const Json& root, Warnings& warnings) const {
 std::string_view TagsLostBy(const Json& root) {
   constexpr std::pair<std::string_view, std::string_view> kOptimisers[] = {
       {"gltfpack",
-       "is gltfpack, which drops names and extras: -kn -km -ke keep those of nodes and materials, so tag these; those "
-       "of "
-       "meshes, and MPEG_ and OMNI_ extensions, are dropped in any case"},
+       "is gltfpack, which drops names and extras: -kn -km -ke keep those of nodes and materials, so tag these; "
+       "those of meshes, and MPEG_ and OMNI_ extensions, are dropped in any case"},
       {"glTF-Transform",
        "is glTF-Transform, which drops MPEG_ and OMNI_ extensions, so tag nodes and materials in extras.haptic; its "
        "`optimize` keeps these with --flatten false --join false --instance false --palette false --prune false"}};
