@@ -6,8 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <draco/compression/decode.h>
 #include <draco/compression/encode.h>
 #include <meshoptimizer.h>
 
@@ -113,6 +115,15 @@ inline std::string EncodeDraco(const std::vector<std::array<std::uint32_t, 3>>& 
   draco::EncoderBuffer buffer;
   if (!encoder.EncodeMeshToBuffer(mesh, &buffer).ok()) std::abort();
   return {buffer.data(), buffer.size()};
+}
+
+// Corners and vertices that a stream is decoded to: not all that was encoded has to be.
+inline std::pair<std::size_t, std::size_t> DracoCounts(const std::string& encoded) {
+  draco::DecoderBuffer buffer;
+  buffer.Init(encoded.data(), encoded.size());
+  const auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
+  if (!decoded.ok()) std::abort();
+  return {3 * decoded.value()->num_faces(), decoded.value()->num_points()};
 }
 
 // A primitive's data is `encoded`, and nothing of it plain any more; its attributes are numbered as listed.

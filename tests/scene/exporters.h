@@ -15,8 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include <draco/compression/decode.h>
-
 #include "tests/scene/compressed.h"
 
 namespace omni::scene::test {
@@ -68,6 +66,7 @@ class Exporter {
     for (std::vector<Part>& parts : meshes_) {
       for (Part& part : parts) KeepUsed(part, style_.weld);
       grids_.push_back(GridOf(parts));
+      for (const Part& part : parts) index_bytes_ = part.positions.size() > 65'535 ? 4 : index_bytes_;
     }
     KeepOtherData();
     PlaceMeshes();
@@ -280,8 +279,8 @@ class Exporter {
         primitive["attributes"]["JOINTS_0"] = Add("joints", Bytes(part.joints), 4, 5121, "VEC4");
         primitive["attributes"]["WEIGHTS_0"] = Add("weights", Bytes(part.weights), 16, 5126, "VEC4");
       }
-      primitive["indices"] =
-          Add("indices", Bytes(std::vector<std::uint16_t>(part.corners.begin(), part.corners.end())), 2, 5123);
+      primitive["indices"] = index_bytes_ == 4 ? Add("indices", Bytes(part.corners), 4, 5125)
+                                               : Add("indices", Bytes(Short(part.corners)), 2, 5123);
       out_.json["meshes"].back()["primitives"].push_back(std::move(primitive));
     }
   }
@@ -359,30 +358,36 @@ class Exporter {
     std::vector<std::array<std::uint32_t, 3>> triangles(part.corners.size() / 3);
     for (std::size_t i = 0; i < part.corners.size(); ++i) triangles[i / 3][i % 3] = part.corners[i];
     const std::string encoded = EncodeDraco(triangles, part.positions.size(), attributes, true, style_.bits);
-    draco::DecoderBuffer buffer;
-    buffer.Init(encoded.data(), encoded.size());
-    const auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
-    if (!decoded.ok()) std::abort();
+    const auto [corners, vertices] = DracoCounts(encoded);
     Json& accessors = out_.json["accessors"];
     for (const DracoAttribute& attribute : attributes) {
       primitive["attributes"][attribute.name] = accessors.size();
       accessors.push_back({{"componentType", attribute.data == draco::DT_UINT8 ? 5121 : 5126},
-                           {"count", decoded.value()->num_points()},
+                           {"count", vertices},
                            {"type", attribute.width == 3 ? "VEC3" : "VEC4"}});
     }
     primitive["indices"] = accessors.size();
-    accessors.push_back({{"componentType", 5125}, {"count", 3 * decoded.value()->num_faces()}, {"type", "SCALAR"}});
+    accessors.push_back({{"componentType", 5125}, {"count", corners}, {"type", "SCALAR"}});
     UseDraco(out_, encoded, attributes, primitive);
+  }
+
+  static std::vector<std::uint16_t> Short(const std::vector<unsigned>& corners) {
+    return {corners.begin(), corners.end()};
+  }
+
+  static std::vector<unsigned> Corners(const Stream& stream) {
+    std::vector<unsigned> corners(stream.bytes.size() / stream.stride);
+    for (std::size_t i = 0; i < corners.size(); ++i)  // the least byte is the first one
+      std::memcpy(&corners[i], &stream.bytes[i * stream.stride], stream.stride);
+    return corners;
   }
 
   void WriteStreams() {
     for (const auto& [kind, stream] : streams_) {
       const std::size_t count = stream.bytes.size() / stream.stride;
       if (style_.packing == Packing::kViews) {
-        std::vector<std::uint16_t> corners(kind == "indices" ? count : 0);
-        std::memcpy(corners.data(), stream.bytes.data(), corners.size() * 2);
-        const std::string encoded = kind == "indices" ? MeshoptIndices({corners.begin(), corners.end()}, true)
-                                                      : MeshoptVertices(stream.bytes, stream.stride);
+        const std::string encoded =
+            kind == "indices" ? MeshoptIndices(Corners(stream), true) : MeshoptVertices(stream.bytes, stream.stride);
         const bool filtered = kind == "positions" && style_.exponents;
         Compress(out_, stream.view, encoded, count, stream.stride, stream.mode, filtered ? "EXPONENTIAL" : nullptr);
         if (style_.fallback) KeepUncompressed(stream);
@@ -412,7 +417,7 @@ class Exporter {
   Model out_;
   std::vector<std::vector<Part>> meshes_;
   std::vector<Grid> grids_;  // of each mesh
-  std::size_t children_ = 0;
+  std::size_t children_ = 0, index_bytes_ = 2;
   std::map<std::string, Stream> streams_;
   std::string fallback_;
 };

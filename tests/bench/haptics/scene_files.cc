@@ -1,8 +1,10 @@
 #include "tests/bench/haptics/scene_files.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <numbers>
 #include <random>
 #include <stdexcept>
@@ -11,6 +13,8 @@
 
 #define STBI_WRITE_NO_STDIO
 #include <stb/stb_image_write.h>
+
+#include "tests/scene/exporters.h"
 
 namespace omni::bench {
 namespace {
@@ -241,6 +245,17 @@ Glb Plain(const Body& body) {
   return glb;
 }
 
+// As an exporter compresses it.
+void WriteStyle(const Glb& plain, const std::string& style, const std::string& path) {
+  const scene::test::Model model{.json = plain.document, .bin = plain.bin};
+  const auto* const row = std::find_if(std::begin(scene::test::kStyles), std::end(scene::test::kStyles),
+                                       [&](const scene::test::Style& other) { return other.name == style; });
+  std::ofstream file(path, std::ios::binary);
+  file << scene::test::Exporter(model, *row).Export().Bytes();
+  file.close();
+  if (!file) throw std::runtime_error(path + ": cannot be written");
+}
+
 }  // namespace
 
 std::vector<BenchFile> WriteBenchFiles(const std::string& folder, std::uint64_t seed, std::uint64_t divisor) {
@@ -263,8 +278,12 @@ std::vector<BenchFile> WriteBenchFiles(const std::string& folder, std::uint64_t 
   write_body(Quantised(body), "quantised-100k");
   write_body(Interleaved(body), "interleaved-100k");
   write_body(Sparse(body), "sparse-100k");
-  write_body(Plain(Torus(static_cast<std::size_t>(std::sqrt(500'000.0 / static_cast<double>(divisor))), 2)),
-             "floats-1M");
+  const Glb large = Plain(Torus(static_cast<std::size_t>(std::sqrt(500'000.0 / static_cast<double>(divisor))), 2));
+  write_body(large, "floats-1M");
+  for (const auto& [name, style] : {std::pair("meshopt-1M", "gltfpack -c"), std::pair("draco-1M", "draco")}) {
+    files.push_back({name, folder + "/" + name + ".glb", true});
+    WriteStyle(large, style, files.back().path);
+  }
   return files;
 }
 
