@@ -65,8 +65,11 @@ struct Input {
   base::Vec3 velocity_base_m_s;    // of the device point
   base::PointNoise noise;          // of the device point, along its worst direction
   base::PointNoise noise_along;    // along the pen's axis
-  base::Vec3 axis_base;            // of the pen, unit; zero: noise is alike in all directions
-  double delay_s = 0;              // measured: sample instant to the control step that acts; 0: not known
+  // Of the pen, unit, out of its tip. Zero: not known; noise is alike in all directions, and a ball at the tip is
+  // around the device point.
+  base::Vec3 axis_base;
+  base::Vec3 axis_rate_base_1_s;  // its change
+  double delay_s = 0;             // measured: sample instant to the control step that acts; 0: not known
   ActingForce acting;
   base::ForceLimit limit;
   std::span<const ObjectPose> poses;          // at t_ns, at most kMaxMoved; objects not named stay where they are

@@ -26,6 +26,7 @@ constexpr double kLongestTick_s = 5e-3;
 constexpr double kGapMax_s = 25e-3;  // ticks without a pose that end no contact
 constexpr double kLeap_m = 0.5;      // 20 m/s over such a gap; further is another place
 constexpr double kFast_m = 0.01;     // in one tick: faster than a hand, so the force fades in, whatever was entered
+constexpr double kFastestTurn_1_s = 1e3;
 
 // Resets an output that is new or of an earlier tick: its contacts beyond the count are reset already, and are most of
 // its bytes.
@@ -53,6 +54,27 @@ Input Cleaned(const Input& input) noexcept {
   if (!clean.tracked) clean.device_point_base_m = {};
   if (!IsWithin(input.velocity_base_m_s, kFastestTip_m_s)) clean.velocity_base_m_s = {};
   return clean;
+}
+
+// From the centre of the ball at the tip to the device point, its lowest point.
+struct BallArm {
+  Vec3 to_tip_m, rate_m_s;
+};
+
+// c = x - r u   (12.13)
+BallArm BallArmOf(const Scene& scene, const Input& input) noexcept {
+  const double radius_m = scene.empty() ? 0 : TipRadius_m(scene);
+  const bool known = IsWithin(input.axis_base, 1.001) && IsWithin(input.axis_rate_base_1_s, kFastestTurn_1_s);
+  if (!(radius_m > 0 && known)) return {};
+  return {radius_m * input.axis_base, radius_m * input.axis_rate_base_1_s};
+}
+
+// The input with the ball's centre in place of the device point: all contact is there.
+Input AtCentre(const Input& input, const BallArm& arm) noexcept {
+  Input centre = input;
+  centre.device_point_base_m = input.device_point_base_m - arm.to_tip_m;
+  centre.velocity_base_m_s = input.velocity_base_m_s - arm.rate_m_s;
+  return centre;
 }
 
 bool AnyContact(const State& state) noexcept {
@@ -308,15 +330,17 @@ double Watch(const Input& measured, const Touched& touched, bool steady, bool pa
                        state.swing, state.energy);
 }
 
-// The scene's force, and as much of it as the limits allow.
+// The scene's force, and as much of it as the limits allow. A stick follows the device point itself.
 void Render(const Config& config, const StiffnessBound& bound, const Scene& scene, const Input& measured,
-            const Vec3& tip, bool steady, State& state, Output& output) noexcept {
+            const BallArm& arm, const Vec3& tip, bool steady, State& state, Output& output) noexcept {
   Input input = measured;
   input.device_point_base_m = tip;
   Touched touched;
   Vec3 others_N;
   if (!scene.empty()) {
     touched = Touch(scene, bound, input, state, output);
+    input.device_point_base_m = tip + arm.to_tip_m;
+    input.velocity_base_m_s = measured.velocity_base_m_s + arm.rate_m_s;
     others_N = touched.others_N +
                StepVehicle(config, bound, scene, input, touched.contacts_N + touched.others_N, state, output);
   }
@@ -326,8 +350,9 @@ void Render(const Config& config, const StiffnessBound& bound, const Scene& scen
   Limit(config, input, input.tracked ? state.ramp * wanted_N : Vec3{}, state, output);
 }
 
-// A far tip should cost nothing: no copies, no queries.
-void StepClean(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
+// A far tip should cost nothing: no copies, no queries. `input`: at the centre of a ball.
+void StepClean(const Config& config, const Scene& scene, const Input& input, const BallArm& arm, State& state,
+               Output& output) noexcept {
   const bool steady = Remember(config, input, state);
   StiffnessBound bound;
   Vec3 tip = input.device_point_base_m;
@@ -339,7 +364,7 @@ void StepClean(const Config& config, const Scene& scene, const Input& input, Sta
   if (state.last_force_N == Vec3{} && NothingHere(scene, input, tip, state)) {
     output.energy_gain = Watch(input, {}, steady, IsAlone(input, steady, state), state);
   } else {
-    Render(config, bound, scene, input, tip, steady, state, output);
+    Render(config, bound, scene, input, arm, tip, steady, state, output);
   }
   if (!input.tracked) return;
   if (state.ramp < 1) state.ramp = config.ramp_s > 0 ? std::min(1.0, state.ramp + input.dt_s / config.ramp_s) : 1;
@@ -360,10 +385,12 @@ void EnterScene(const Scene& scene, State& state) noexcept {
 
 void Step(const Config& config, const Scene& scene, const Input& input, State& state, Output& output) noexcept {
   Clear(output);
-  if (IsClean(input)) {
-    StepClean(config, scene, input, state, output);
+  const BallArm arm = BallArmOf(scene, input);
+  const bool clean = IsClean(input), ball = arm.to_tip_m != Vec3{};
+  if (clean && !ball) {
+    StepClean(config, scene, input, arm, state, output);
   } else {
-    StepClean(config, scene, Cleaned(input), state, output);
+    StepClean(config, scene, AtCentre(clean ? input : Cleaned(input), arm), arm, state, output);
   }
 }
 

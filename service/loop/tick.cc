@@ -88,6 +88,7 @@ haptics::Input MakeHapticInput(const base::ToolState& tool, const base::ForceLim
           .noise = tool.device_point_noise,
           .noise_along = tool.device_point_noise_along,
           .axis_base = tool.axis_base,
+          .axis_rate_base_1_s = Cross(tool.angular_velocity_base_rad_s, tool.axis_base),
           .delay_s = delay_s,
           .acting = acting,
           .limit = limit,

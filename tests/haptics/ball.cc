@@ -53,6 +53,71 @@ TEST(BallTip, ContactStartsAtTheTipRadius) {
   }
 }
 
+// The device point is the lowest point of the ball: an upright pen touches where its tip is seen to touch, and a
+// leaning one with the side of its ball.
+TEST(BallTip, TouchesWhereItIsSeenToTouch) {
+  for (const double radius_m : {0.0005, 0.0015, 0.01}) {
+    Pen pen(Built(WithBall(Block(8, {0.02, 0.02, 0.01}), Slippery(), radius_m)));
+    pen.input.axis_base = {0, 0, -1};
+    const auto put = [&](double height_m) { pen.MoveTo({0.001, 0.002, 0.01 + height_m}); };
+    for (const double height_m : {0.002, 0.001, 1e-5}) put(height_m);
+    EXPECT_EQ(pen.output.contact_count, 0) << radius_m;
+    for (int k = 0; k < 50; ++k) put(-2e-5 * k);
+    put(-0.001);
+    ASSERT_EQ(pen.output.contact_count, 1) << radius_m;
+    EXPECT_NEAR(pen.output.force_base_N.z, 0.4, 0.4 * 1e-3) << radius_m;
+    EXPECT_NEAR(pen.output.contacts[0].point_base_m.z, 0.01, 1e-9);
+  }
+}
+
+// Whatever the pen's lean and however it turns, all is as with a ball about the centre.
+TEST(BallTip, CentreLiesOneRadiusUpThePen) {
+  Random random(47);
+  for (const double radius_m : {0.0005, 0.0015, 0.003}) {
+    const Scene scene = Built(WithBall(sculpt::BumpyBall(10, 0.02, 0.1), Slippery(), radius_m));
+    Pen leaning(scene), about(scene);
+    const auto config = leaning.config;
+    double largest_N = 0;
+    Vec3 axis{0, 0, -1}, centre{0, 0, 0.03};
+    for (int k = 0; k < 3000; ++k) {
+      const Vec3 turned = Normalized(axis + random.InBox(0.02));
+      const Vec3 rate_1_s = 1000 * (turned - axis);
+      axis = turned;
+      const Vec3 goal = (0.021 + radius_m - 0.002 * std::sin(0.01 * k)) *
+                        base::Normalized({std::sin(0.003 * k), std::cos(0.004 * k), 1 + std::sin(0.005 * k)});
+      const Vec3 moved = 0.1 * (goal - centre);
+      centre = centre + moved;
+      Output at_tip, at_centre;
+      Input input = leaning.input;
+      input.t_ns = 1'000'000 * k;
+      input.device_point_base_m = centre;
+      input.velocity_base_m_s = 1000 * moved;
+      haptics::Step(config, scene, input, about.state, at_centre);
+      input.axis_base = axis;
+      input.axis_rate_base_1_s = rate_1_s;
+      input.device_point_base_m = centre + radius_m * axis;
+      input.velocity_base_m_s = 1000 * moved + radius_m * rate_1_s;
+      haptics::Step(config, scene, input, leaning.state, at_tip);
+      ASSERT_LT(Norm(at_tip.force_base_N - at_centre.force_base_N), 1e-6) << k;
+      ASSERT_EQ(at_tip.contact_count, at_centre.contact_count) << k;
+      largest_N = std::max(largest_N, Norm(at_tip.force_base_N));
+    }
+    EXPECT_GT(largest_N, 0.2);
+  }
+}
+
+// A stick is led by the device point.
+TEST(BallTip, StickFollowsTheDevicePoint) {
+  SceneInput input = WithBall(Block(1, {0.005, 0.005, 0.005}));
+  input.joystick = JoystickInput{.centre_base_m = {0, 0, 0.06}};
+  Pen pen(Built(input));
+  pen.input.axis_base = base::Normalized({1, 0, -1});
+  pen.input.device_point_base_m = {0, 0, 0.06};
+  for (int k = 0; k < 20; ++k) haptics::Step(pen.config, pen.scene(), pen.input, pen.state, pen.output);
+  EXPECT_EQ(pen.output.thumbstick_x, 0);
+  EXPECT_LT(Norm(pen.output.force_base_N), 1e-9);
+}
+
 // In a trough the ball rests on both walls: straight up, without ripple, whatever way it comes from.
 TEST(BallTip, RestsOnBothWallsOfATrough) {
   for (const double half_angle : {0.3, 0.8, 1.2}) {

@@ -14,6 +14,7 @@ namespace test_loop_ball {
 constexpr double kHalf_m = 0.012, kMiddle_m = 0.050;  // of a cube of 24 mm
 constexpr double kStart_s = 0.8, kEdge_s = 0.7;
 constexpr int kEdges = 28;
+constexpr double kTip_m = 0.0005;
 
 haptics::Scene CubeForABall() {
   haptics::SceneInput input;
@@ -21,7 +22,7 @@ haptics::Scene CubeForABall() {
   haptics::Material& slippery = input.materials.emplace_back();  // friction may well point inwards at an edge
   slippery.static_friction = slippery.dynamic_friction = 0;
   input.objects.push_back(Box({0, 0, kMiddle_m}, {kHalf_m, kHalf_m, kHalf_m}, 1));
-  input.tip_radius_m = 0.0005;
+  input.tip_radius_m = kTip_m;
   haptics::BuildReport report;
   return std::move(haptics::BuildScene(input, report).value());
 }
@@ -71,7 +72,9 @@ TEST(LoopBall, TipLedAroundEdgesIsNeverPushedDeeper) {
     double worst_N = 0;
     int felt_ms = 0, inside_ms = 0, run_ms = 0, longest_ms = 0;
     while (scenario.Step(cube)) {
-      const double inwards_N = Inwards_N(scenario.output.tool.device_point_base_m, scenario.output.wrench.force_N);
+      const base::ToolState& tool = scenario.output.tool;
+      const base::Vec3 centre = tool.device_point_base_m - kTip_m * tool.axis_base;
+      const double inwards_N = Inwards_N(centre, scenario.output.wrench.force_N);
       worst_N = std::max(worst_N, inwards_N);
       run_ms = inwards_N > 0.02 ? run_ms + 1 : 0;
       longest_ms = std::max(longest_ms, run_ms);

@@ -18,8 +18,14 @@ struct Target {
   std::uint32_t index;
   std::uint32_t root;  // of its tree
   bool boxed;          // the object's box holds all of it
-  Vec3 from, tip;      // the tip at the last tick and now
+  Vec3 from, tip;      // the tip at the last tick and now; of a ball, its centre
 };
+
+// Of the ball at the pen's tip; 0: a point. Precondition: the scene is not empty.
+inline double TipRadius_m(const Scene& scene) noexcept {
+  const double radius_m = scene.header().tip_radius_m;
+  return radius_m >= kMinBallRadius_m ? std::min(radius_m, kMaxBallRadius_m) : 0;
+}
 
 class ContactScene {
  public:
@@ -28,11 +34,7 @@ class ContactScene {
   ContactScene(const Scene& scene, const Input& input, State& state) noexcept;
 
   const Scene& scene() const noexcept { return scene_; }
-  // Radius of a ball tip; 0: a point.
-  double tip_radius_m() const noexcept {
-    const double radius_m = scene_.header().tip_radius_m;
-    return radius_m >= kMinBallRadius_m ? std::min(radius_m, kMaxBallRadius_m) : 0;
-  }
+  double tip_radius_m() const noexcept { return TipRadius_m(scene_); }
   const Surface& surface() const noexcept { return surface_; }  // rest meshes and extruded regions
 
   Target TargetOf(std::uint32_t object) const noexcept;

@@ -94,6 +94,7 @@ Input InScene(const Input& input, const Frame& before, const Frame& now, bool mo
   }
   seen.velocity_base_m_s = now.RestDirection(velocity_m_s);
   seen.axis_base = now.RestDirection(input.axis_base);
+  seen.axis_rate_base_1_s = now.RestDirection(input.axis_rate_base_1_s);
   seen.acting.force_N = now.RestDirection(input.acting.force_N);
   seen.limit = InScene(input.limit, now);
   seen.scene_motion = leaps ? SceneMotion::kLeaps : moves ? SceneMotion::kMoves : SceneMotion::kStill;
