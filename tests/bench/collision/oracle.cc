@@ -12,13 +12,6 @@ using Three = std::array<Vec3, 3>;
 
 double Along(const Vec3& v, int axis) { return axis == 0 ? v.x : (axis == 1 ? v.y : v.z); }
 
-Vec3 NearestOnSegment(const Vec3& a, const Vec3& b, const Vec3& p) {
-  const Vec3 ab = b - a;
-  const double length_squared = SquaredNorm(ab);
-  const double t = length_squared > 0 ? std::clamp(Dot(p - a, ab) / length_squared, 0.0, 1.0) : 0;
-  return a + t * ab;
-}
-
 double BoxDistanceSquared(const Vec3& lower, const Vec3& upper, const Vec3& p) {
   const Vec3 d = Max(Max(lower - p, p - upper), Vec3{});
   return SquaredNorm(d);
@@ -43,22 +36,6 @@ bool Above(const Three& c, const Vec3& p) {
 }
 
 }  // namespace
-
-// The foot on the plane if it lies within all three edges, else the nearest of the three segments.
-Vec3 NearestOnTriangle(const Three& c, const Vec3& p) {
-  const Vec3 normal = Cross(c[1] - c[0], c[2] - c[0]);
-  bool within = true;
-  for (std::size_t k = 0; k < 3; ++k) {
-    within = within && Dot(Cross(normal, c[(k + 1) % 3] - c[k]), p - c[k]) >= 0;
-  }
-  if (within && SquaredNorm(normal) > 0) return p - (Dot(p - c[0], normal) / SquaredNorm(normal)) * normal;
-  Vec3 best = NearestOnSegment(c[0], c[1], p);
-  for (std::size_t k = 1; k < 3; ++k) {
-    const Vec3 q = NearestOnSegment(c[k], c[(k + 1) % 3], p);
-    if (SquaredNorm(p - q) < SquaredNorm(p - best)) best = q;
-  }
-  return best;
-}
 
 Oracle::Oracle(const Body& body) : body_(body) {
   std::vector<Vec3> centres;

@@ -9,6 +9,7 @@
 
 #include "service/haptics/scene/scene.h"
 #include "tests/bench/collision/body.h"
+#include "tests/support/touch/nearest_on_triangle.h"
 
 namespace omni::collision {
 
@@ -50,7 +51,6 @@ struct Brute {
 };
 std::vector<Brute> SumOverAll(const Body& body, std::span<const Vec3> points);
 
-// Nearest point of one triangle, by the oracle's own formula.
-Vec3 NearestOnTriangle(const std::array<Vec3, 3>& corners, const Vec3& p);
+using support::NearestOnTriangle;
 
 }  // namespace omni::collision

@@ -1,5 +1,5 @@
 // A pen whose ball slides over a body, through haptics::Step, and a judge of the results: the ball's centre is outside
-// by the winding number, and the force pushes the tip out.
+// by the winding number, the force pushes the tip out, and there is one exactly where the tip is in the body.
 #pragma once
 
 #include <vector>
@@ -9,6 +9,7 @@
 #include "service/haptics/geometry/topology.h"
 #include "tests/haptics/oracle.h"
 #include "tests/support/surface_queries.h"
+#include "tests/support/touch/nearest_on_triangle.h"
 
 namespace omni::haptics {
 
@@ -27,6 +28,14 @@ inline std::vector<Corners> CornersOf(const Surface& surface, const Object& obje
   return corners;
 }
 
+inline std::vector<Corners> CornersOf(const InputObject& object) {
+  std::vector<Corners> corners;
+  for (const auto& [a, b, c] : object.triangles) {
+    corners.push_back({object.vertices_base_m[a], object.vertices_base_m[b], object.vertices_base_m[c]});
+  }
+  return corners;
+}
+
 // Distance and side by sums over all triangles. Between the sums: a ball with the distance at the last place as radius
 // contains no surface, so all points in it are on the same side; and only triangles that were near there can be near.
 class BallOracle {
@@ -36,7 +45,7 @@ class BallOracle {
   double Distance(const Vec3& p) {
     if (!(Norm(p - gathered_at_) < 0.5 * kGather_m)) Gather(p);
     double best = 0.25 * kGather_m * kGather_m;
-    for (const Corners& corners : near_) best = std::min(best, ClosestOnTriangle(corners, p).distance_squared);
+    for (const Corners& corners : near_) best = std::min(best, SquaredDistance(corners, p));
     return std::sqrt(best);  // at most half of kGather_m
   }
   bool IsInside(const Vec3& p) {
@@ -59,11 +68,14 @@ class BallOracle {
 
  private:
   static constexpr double kGather_m = 0.012;
+  static double SquaredDistance(const Corners& corners, const Vec3& p) {
+    return SquaredNorm(support::NearestOnTriangle(corners, p) - p);
+  }
   void Gather(const Vec3& p) {
     gathered_at_ = p;
     near_.clear();
     for (const Corners& corners : corners_) {
-      if (ClosestOnTriangle(corners, p).distance_squared < kGather_m * kGather_m) near_.push_back(corners);
+      if (SquaredDistance(corners, p) < kGather_m * kGather_m) near_.push_back(corners);
     }
   }
 
@@ -78,7 +90,10 @@ struct BallVerdict {
   std::uint64_t ticks = 0, touching = 0, judged = 0;  // judged: the force was not fading from one place to another
   std::uint64_t inside = 0;    // the ball's centre is in the body; without a contact the ball is at the tip
   std::uint64_t inverted = 0;  // the force pulls the tip to a place in the body, or towards it
-  double least_gap = 1;        // between centre and surface, less the radius, in radii
+  double least_gap = 1;        // between centre and surface, less the radius, in radii; of a point: 1
+  // In runs of kRun ticks and more: deeper than kSeen_m in the body without force; further than that off it with one.
+  std::uint64_t missed = 0, false_contacts = 0;
+  std::uint64_t through = 0;  // not false: a part of the body is between the tip and what holds it, as (2.3) says
   std::uint64_t longest_inside = 0, falls = 0;  // ticks in a row, and how often
 
   void Add(const BallVerdict& other) {
@@ -88,6 +103,9 @@ struct BallVerdict {
     inside += other.inside;
     inverted += other.inverted;
     least_gap = std::min(least_gap, other.least_gap);
+    missed += other.missed;
+    false_contacts += other.false_contacts;
+    through += other.through;
     longest_inside = std::max(longest_inside, other.longest_inside);
     falls += other.falls;
   }
@@ -104,7 +122,7 @@ inline const ContactState* ContactWith(std::uint32_t object, const State& state)
 class BallJudge {
  public:
   BallJudge(std::vector<Corners> corners, double radius_m, std::uint32_t object = 0)
-      : oracle_(std::move(corners)), radius_m_(radius_m), object_(object) {}
+      : oracle_(std::move(corners)), about_tip_(oracle_), radius_m_(radius_m), object_(object) {}
 
   // The tip and the result; the object's placement.
   void Judge(const Vec3& tip_base_m, const State& state, const Output& output, const Frame& frame = {}) {
@@ -115,12 +133,13 @@ class BallJudge {
     swaps_ = contact != nullptr && contact->swap_left_s > 0;
     if (contact != nullptr && contact->popped) return;
     const Vec3 centre = contact != nullptr ? contact->held_m : tip;
-    const bool inside = oracle_.IsInside(centre);
+    const bool inside = IsIn(centre);
     verdict.inside += inside;
     run_ = inside ? run_ + 1 : 0;
     verdict.falls += run_ == 1;
     verdict.longest_inside = std::max(verdict.longest_inside, run_);
-    verdict.least_gap = std::min(verdict.least_gap, oracle_.Distance(centre) / radius_m_ - 1);
+    if (radius_m_ > 0) verdict.least_gap = std::min(verdict.least_gap, oracle_.Distance(centre) / radius_m_ - 1);
+    CountRuns(tip, centre, output);
     for (int k = 0; k < output.contact_count; ++k) {
       const Contact& felt = output.contacts[static_cast<std::size_t>(k)];
       if (felt.object != object_ || !(Norm(felt.force_base_N) > kLeast_N)) continue;
@@ -135,15 +154,51 @@ class BallJudge {
 
  private:
   static constexpr double kLeast_N = 1e-3;
+  static constexpr double kSeen_m = 20e-6;  // a missed or false contact within it is not felt
+  static constexpr double kRound_m = 1e-6;  // a point on the surface may lie so far in it
+  static constexpr std::uint64_t kRun = 3;
+
+  bool IsIn(const Vec3& p) { return oracle_.IsInside(p) && (radius_m_ > 0 || oracle_.Distance(p) > kRound_m); }
+
+  static void Count(bool now, std::uint64_t& run, std::uint64_t& ticks) {
+    run = now ? run + 1 : 0;
+    ticks += run == kRun ? kRun : (run > kRun ? 1 : 0);
+  }
+  // Above the surface, in front of all of the ball; < 0 in it.
+  double Gap(const Vec3& p) {
+    const double distance_m = about_tip_.Distance(p);
+    return (about_tip_.IsInside(p) ? -distance_m : distance_m) - radius_m_;
+  }
+  // The straight way from what holds the tip leads through the body, however thin it is there: from within 5 um of it,
+  // for a place on an edge or a corner may belong to either face.
+  bool IsBetween(const Vec3& held, const Vec3& tip) {
+    for (int n = 0; n < 27; ++n) {
+      const Vec3 from = held + 5e-6 * Vec3{n % 3 - 1.0, n / 3 % 3 - 1.0, n / 9 - 1.0};
+      const double way_m = Norm(tip - from);
+      for (double s_m = 1e-6; s_m < way_m; s_m *= 1.2) {
+        if (Gap(from + (s_m / way_m) * (tip - from)) < -1e-7) return true;
+      }
+    }
+    return false;
+  }
+  void CountRuns(const Vec3& tip, const Vec3& held, const Output& output) {
+    const double gap_m = Gap(tip);
+    const bool felt = std::any_of(output.contacts.begin(), output.contacts.begin() + output.contact_count,
+                                  [this](const Contact& c) { return c.object == object_ && Norm(c.force_base_N) > 0; });
+    const bool is_free = gap_m > kSeen_m && felt, through = is_free && IsBetween(held, tip);
+    Count(gap_m < -kSeen_m && !felt, missed_run_, verdict.missed);
+    Count(is_free && !through, false_run_, verdict.false_contacts);
+    verdict.through += through;
+  }
   bool IsInverted(const Vec3& tip, const Vec3& centre, const Contact& felt, const Vec3& force_N) {
     const Vec3 rest = tip - felt.gap_m * Normalized(force_N);
-    return oracle_.IsInside(rest) || !(Dot(force_N, centre - tip) > 0);
+    return IsIn(rest) || !(Dot(force_N, centre - tip) > 0);
   }
 
-  BallOracle oracle_;
+  BallOracle oracle_, about_tip_;  // the latter for places around the tip: each remembers where it was last
   double radius_m_;
   std::uint32_t object_;
-  std::uint64_t run_ = 0;
+  std::uint64_t run_ = 0, missed_run_ = 0, false_run_ = 0;
   bool swaps_ = false;
 };
 
