@@ -111,6 +111,11 @@ base::Result<BenchRows> BenchFriction(const BenchOptions& options);
 // in_band, correlation, rest_mN, plain_rest_mN (without a grating), delivered_mN: tests/support/touch/stroked_plate.h.
 base::Result<BenchRows> BenchTexture(const BenchOptions& options);
 
+// A point and balls stroke thirty bodies in six styles, judged by sums over all triangles
+// (tests/support/touch/ball_judge.h): tip, radius_mm, body, style, ticks, inside, inverted, missed, false_contacts,
+// through, us_median, us_p99; of fine meshes only times, of the point and the pen's ball in turns.
+base::Result<BenchRows> BenchTips(const BenchOptions& options);
+
 // Bad input into Tick, basins, singular poses, long runs: what must never happen, counted.
 base::Result<BenchRows> BenchStress(const BenchOptions& options);
 

@@ -72,6 +72,7 @@ class CallTimer {
     calls_us_.clear();
   }
 
+  std::size_t calls() const noexcept { return next_; }
   std::size_t batches() const noexcept { return means_us_.size(); }
   std::size_t interrupted() const noexcept { return interrupted_; }
   double us_median() const { return tools::Quantile(means_us_, 0.5); }
