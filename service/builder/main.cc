@@ -147,6 +147,7 @@ void BuildScene(Message& request) {
                                    .offset_base_m = {job.offset_base_m[0], job.offset_base_m[1], job.offset_base_m[2]},
                                    .scale = job.scale,
                                    .hull_radius_m = job.hull_radius_m,
+                                   .tip_radius_m = job.tip_radius_m,
                                    .max_file_bytes = job.max_file_bytes,
                                    .beside = job.has_beside != 0 ? &beside : nullptr,
                                    .max_nodes = job.max_nodes,

@@ -47,7 +47,7 @@ struct SceneJob {
   std::uint32_t tags_bytes = 0;  // LoadOptions::tags_by_name, behind the name
   std::uint32_t all_kinematic = 0, touch_untagged = 0, z_up = 0, fit = 0, has_beside = 0;
   double offset_base_m[3]{};
-  double scale = 1, hull_radius_m = 0;
+  double scale = 1, hull_radius_m = 0, tip_radius_m = 0;
   std::uint64_t max_file_bytes = 0;
   std::uint32_t max_nodes = 0, max_depth = 0;
 };

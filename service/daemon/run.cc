@@ -110,6 +110,7 @@ int RunChecked(RunOptions options, std::optional<ipc::InheritedSocket> inherited
        .apps = std::move(apps),
        .inputs = std::move(inputs),
        .hull_radius_m = device.hull_radius_m,
+       .tip_radius_m = config::NibRadius_m(device.magnet),
        .cache_folder = config::CacheFolder(),
        .hand = hand,
        .alignment_path = options.alignment_path.empty() ? config::UserAlignmentFile() : options.alignment_path,

@@ -43,6 +43,7 @@ Service::Service(ServiceOptions options)
       device_(options_.calibration),
       scenes_(
           {.hull_radius_m = options_.hull_radius_m,
+           .tip_radius_m = options_.tip_radius_m,
            .cache_folder = options_.cache_folder,
            .journal_folder = options_.journal_folder,
            .soft_tets = options_.soft_tets,

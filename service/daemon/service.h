@@ -35,8 +35,9 @@ struct ServiceOptions {
   config::AppTable apps;
   config::InputPlan inputs;  // of `apps`
   double hull_radius_m = 0;
-  std::string cache_folder;               // of built scenes; empty: none
-  config::CalibrationChoice calibration;  // until AttachedDevice::SetCalibration
+  double tip_radius_m = scene::LoadOptions{}.tip_radius_m;  // of the pen
+  std::string cache_folder;                                 // of built scenes; empty: none
+  config::CalibrationChoice calibration;                    // until AttachedDevice::SetCalibration
   std::uint32_t soft_tets = scene::kSoftTets;
   std::string hand = "auto";   // "left", "right": of applications whose file names none
   std::string alignment_path;  // where bases stand in headsets' spaces; empty: nothing is stored

@@ -27,9 +27,10 @@ CacheKey KeyOf(const std::string& path, const LoadOptions& options, const Digest
   hash.Add(std::string_view(kBuildStamp));
   hash.Add(std::as_bytes(std::span(bytes)));
   hash.Add(std::string_view(path));
-  for (const double x : {options.offset_base_m.x, options.offset_base_m.y, options.offset_base_m.z, options.scale,
-                         options.hull_radius_m, options.fit ? 1.0 : 0.0, options.touch_untagged ? 1.0 : 0.0,
-                         options.all_kinematic ? 1.0 : 0.0, options.z_up ? 1.0 : 0.0}) {
+  for (const double x :
+       {options.offset_base_m.x, options.offset_base_m.y, options.offset_base_m.z, options.scale, options.hull_radius_m,
+        options.tip_radius_m, options.fit ? 1.0 : 0.0, options.touch_untagged ? 1.0 : 0.0,
+        options.all_kinematic ? 1.0 : 0.0, options.z_up ? 1.0 : 0.0}) {
     hash.Add(x);
   }
   hash.Add(std::string_view(options.tags_by_name));

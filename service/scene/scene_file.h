@@ -30,6 +30,7 @@ struct LoadOptions {
   base::Vec3 offset_base_m;
   double scale = 1;
   double hull_radius_m = 0.0375;
+  double tip_radius_m = 0.0015;            // of the pen, where the scene does not say tip.radius; 0: a point
   const base::WorkWatch* watch = nullptr;  // outlives the load, which it can end: the error "cancelled"
   std::uint64_t max_file_bytes = 1ull << 30;
   FilesBeside* beside = nullptr;  // with `memory`: those beside the document; null: there are none

@@ -241,9 +241,10 @@ class SceneReader::Loader {
   }
 
   double TipRadius() {
-    if (CountOf(file_.root(), "scenes") == 0) return 0;
+    if (CountOf(file_.root(), "scenes") == 0) return options_.tip_radius_m;
     const std::uint32_t scene = ReadIndex(file_.root(), "", "scene", CountOf(file_.root(), "scenes")).value_or(0);
-    return ReadTipRadius(ElementOf(file_.root(), "scenes", scene), JoinPointer("/scenes", scene), warnings_);
+    return ReadTipRadius(ElementOf(file_.root(), "scenes", scene), JoinPointer("/scenes", scene), options_.tip_radius_m,
+                         warnings_);
   }
 
   // Once.

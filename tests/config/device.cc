@@ -51,6 +51,20 @@ TEST(ConfigDevice, ReadsTheManifest) {
   EXPECT_DOUBLE_EQ(device->supply_V, 18);
 }
 
+// Half a ball between the magnet's face and the tip, as the pen's drawing has it.
+TEST(ConfigDevice, NibIsAsLongAsItsRadius) {
+  EXPECT_EQ(NibRadius_m(DefaultDevice().magnet), 0.0015);
+  base::MagnetGeometry magnet = DefaultDevice().magnet;
+  magnet.tip_offset_m = magnet.half_height_m;
+  EXPECT_EQ(NibRadius_m(magnet), 0) << "a bare magnet";
+  magnet.tip_offset_m = 0;
+  EXPECT_EQ(NibRadius_m(magnet), 0) << "not given";
+  magnet.tip_offset_m = 0.08;
+  EXPECT_EQ(NibRadius_m(magnet), 0) << "a rod";
+  magnet = {.shape = base::MagnetShape::kSphere, .radius_m = 0.004, .tip_offset_m = 0.005};
+  EXPECT_EQ(NibRadius_m(magnet), 0.001);
+}
+
 TEST(ConfigDevice, HeatTableIsOptionalButMustBeComplete) {
   const auto device = ParseDevice(Changed("body_J_K = 94.2", "body_J_K = 300"), "test.toml");
   ASSERT_TRUE(device.ok()) << device.error();

@@ -214,9 +214,23 @@ TEST(SceneTags, RolesDecideWhatANodeBecomes) {
   EXPECT_TRUE(Has(loaded.Warnings(), "/nodes/6/extras/haptic/stiffness: is not a key"));
 }
 
+// The pen's nib, unless the scene says otherwise.
+TEST(SceneTags, TipIsTheNibWhereTheSceneDoesNotSay) {
+  Model model = Tetra();
+  EXPECT_EQ(LoadBytes(model.Bytes()).scene().tip_radius_m, 0.0015);
+  EXPECT_EQ(LoadBytes(model.Bytes(), {.touch_untagged = true, .tip_radius_m = 0}).scene().tip_radius_m, 0);
+  EXPECT_EQ(LoadBytes(model.Bytes(), {.touch_untagged = true, .tip_radius_m = 0.001}).scene().tip_radius_m, 0.001);
+  model.json["scenes"][0]["extras"]["haptic"]["tip"]["radius"] = "fine";
+  Loaded wrong = LoadBytes(model.Bytes());
+  EXPECT_EQ(wrong.scene().tip_radius_m, 0.0015);
+  EXPECT_TRUE(Has(wrong.Warnings(), "/scenes/0/extras/haptic/tip/radius"));
+  model.json["scenes"][0]["extras"]["haptic"]["tip"]["radius"] = 0;
+  EXPECT_EQ(LoadBytes(model.Bytes()).scene().tip_radius_m, 0) << "a point";
+}
+
 TEST(SceneTags, ReadsSculptKinematicTipAndFibreKeys) {
   Model model = Tetra();
-  model.json["scenes"][0]["extras"]["haptic"]["tip"]["radius"] = 0.0015;
+  model.json["scenes"][0]["extras"]["haptic"]["tip"]["radius"] = 0.0025;
   model.json["nodes"][0]["rotation"] = {0, 0, 0.7071067811865476, 0.7071067811865476};  // x -> y of the file
   model.json["nodes"][0]["extras"]["haptic"] = Json::parse(R"({
     "sculptable": {"radius": 0.008, "falloff": "linear", "symmetry": "x", "snap": 0.002, "resistance": 300},
@@ -224,7 +238,7 @@ TEST(SceneTags, ReadsSculptKinematicTipAndFibreKeys) {
   Loaded loaded = LoadBytes(model.Bytes());
   ASSERT_TRUE(loaded.result.ok()) << loaded.result.error();
   EXPECT_EQ(loaded.Warnings(), "");
-  EXPECT_EQ(loaded.scene().tip_radius_m, 0.0015);
+  EXPECT_EQ(loaded.scene().tip_radius_m, 0.0025);
   const haptics::Material& m = loaded.scene().materials[0];
   EXPECT_TRUE(m.sculpt.enabled);
   EXPECT_EQ(m.sculpt.radius_m, 0.008);

@@ -61,7 +61,8 @@ Vec AsDrawn(const base::Vec3& p) { return {p.x, p.y, p.z}; }
 TouchedContact Touch(const std::string& path, const Vec& from_m, const Vec& tip_m) {
   scene::LoadReport load;
   haptics::BuildReport build;
-  const base::Result<haptics::Scene> scene = scene::LoadScene(path, {.touch_untagged = true}, nullptr, load, build);
+  const base::Result<haptics::Scene> scene =
+      scene::LoadScene(path, {.touch_untagged = true, .tip_radius_m = 0}, nullptr, load, build);
   if (!scene.ok()) throw std::runtime_error(scene.error());
   haptics::Config config;
   haptics::Input input;

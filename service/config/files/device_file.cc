@@ -269,6 +269,13 @@ base::Result<DeviceGeometry> LoadDeviceFile(const std::string& path) {
   return ParseDevice(*text, path);
 }
 
+double NibRadius_m(const MagnetGeometry& magnet) {
+  constexpr double kLongest_m = 0.003;
+  const double half_m = magnet.shape == base::MagnetShape::kSphere ? magnet.radius_m : magnet.half_height_m;
+  const double nib_m = std::round(1e9 * (magnet.tip_offset_m - half_m)) / 1e9;
+  return nib_m > 0 && nib_m <= kLongest_m ? nib_m : 0;
+}
+
 const DeviceGeometry& DefaultDevice() {
   static const DeviceGeometry device = ParsedBuiltIn(ParseDevice, kBuiltInDeviceText, "manifests/device/omni.toml");
   return device;

@@ -20,6 +20,10 @@ base::Result<base::DeviceGeometry> ParseDevice(const std::string& text, const st
 // The geometry built into the binary: the same numbers as manifests/device/omni.toml (embedded at build).
 const base::DeviceGeometry& DefaultDevice();
 
+// Radius of the pen's nib, half a ball before the magnet's face whose foremost point is the device point
+// (docs/drawings/pen.svg). 0, a point: of a bare magnet, and of a longer rod, whose end no file describes.
+double NibRadius_m(const base::MagnetGeometry& magnet);
+
 // manifests/device/marks.toml: points of the base that a controller can touch.
 inline constexpr std::size_t kMinMarks = 3;
 inline constexpr std::size_t kMaxMarks = 12;

@@ -79,6 +79,7 @@ void AppScenes::Request(ipc::ClientId id, AppScene& scene) {
                                 .touch_untagged = (scene.flags & protocol::kSceneTouchUntagged) != 0,
                                 .scale = scene.scale,
                                 .hull_radius_m = hull_radius_m_,
+                                .tip_radius_m = tip_radius_m_,
                                 .max_file_bytes = protocol::kMaxHapticSceneBytes},
                     .document = scene.document,
                     .payer = id});

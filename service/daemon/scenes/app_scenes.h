@@ -24,8 +24,12 @@ class AppScenes {
   using Send = std::function<bool(ipc::ClientId id, const std::string& message)>;
 
   // What stops being a client's scene is retired by `handed`. Both outlive this.
-  AppScenes(SceneBuilder& builder, double hull_radius_m, HandOver<BuiltScene>& handed, Send send)
-      : builder_(builder), hull_radius_m_(hull_radius_m), handed_(handed), send_(std::move(send)) {}
+  AppScenes(SceneBuilder& builder, double hull_radius_m, double tip_radius_m, HandOver<BuiltScene>& handed, Send send)
+      : builder_(builder),
+        hull_radius_m_(hull_radius_m),
+        tip_radius_m_(tip_radius_m),
+        handed_(handed),
+        send_(std::move(send)) {}
 
   // Job numbers of these scenes, apart from those of the clients' scenes from apps.d.
   static constexpr std::uint64_t kJobBit = std::uint64_t{1} << 63;
@@ -81,7 +85,7 @@ class AppScenes {
   protocol::HapticSceneState StateOf(const AppScene& scene, std::uint64_t generation) const;
 
   SceneBuilder& builder_;
-  const double hull_radius_m_;
+  const double hull_radius_m_, tip_radius_m_;
   HandOver<BuiltScene>& handed_;
   const Send send_;
   std::map<ipc::ClientId, AppScene> scenes_;

@@ -162,6 +162,7 @@ class SceneTalk {
                                                       options_.offset_base_m.z},
                                     .scale = options_.scale,
                                     .hull_radius_m = options_.hull_radius_m,
+                                    .tip_radius_m = options_.tip_radius_m,
                                     .max_file_bytes = options_.max_file_bytes,
                                     .max_nodes = options_.max_nodes,
                                     .max_depth = options_.max_depth},

@@ -13,10 +13,11 @@ std::uint32_t TrianglesOf(const haptics::Scene& scene) { return scene.empty() ? 
 
 ClientScenes::ClientScenes(const BuilderOptions& options, Problem problem, Problem say, AppScenes::Send send)
     : hull_radius_m_(options.hull_radius_m),
+      tip_radius_m_(options.tip_radius_m),
       problem_(std::move(problem)),
       say_(std::move(say)),
       builder_(options),
-      documents_(builder_, options.hull_radius_m, handed_, std::move(send)) {}
+      documents_(builder_, options.hull_radius_m, options.tip_radius_m, handed_, std::move(send)) {}
 
 void ClientScenes::Drop(ipc::ClientId id) {
   builder_.Cancel(id);

@@ -50,7 +50,9 @@ class ClientScenes {
   SoftProgress ProgressOf(ipc::ClientId id) const;
   BuilderStatus BuilderNow() const { return builder_.Status(); }
   std::uint64_t KeptBytesOf(ipc::ClientId id) const { return builder_.KeptBytes(id); }
-  scene::LoadOptions LoadOptionsFor(const config::AppEntry& app) const { return LoadOptionsOf(app, hull_radius_m_); }
+  scene::LoadOptions LoadOptionsFor(const config::AppEntry& app) const {
+    return LoadOptionsOf(app, hull_radius_m_, tip_radius_m_);
+  }
 
   // Makes the owner's scene, 0: none, the one that the tick is to have.
   void SetOwner(ipc::ClientId owner);
@@ -67,7 +69,7 @@ class ClientScenes {
   void TakeDocument(BuiltScene built);
   void ReportSoftBody(const SoftOutcome& soft);
 
-  const double hull_radius_m_;
+  const double hull_radius_m_, tip_radius_m_;
   const Problem problem_, say_;
   SceneBuilder builder_;
   SculptThread sculpt_;

@@ -36,13 +36,14 @@ base::Result<std::string> FileOf(const SceneJob& job) {
 
 }  // namespace
 
-scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m) {
+scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m, double tip_radius_m) {
   return {.touch_untagged = app.touch == config::Touch::kAll,
           .z_up = app.up == config::Up::kZ,
           .fit = app.placement == config::Placement::kFit,
           .offset_base_m = app.offset_base_m,
           .scale = app.scale,
           .hull_radius_m = hull_radius_m,
+          .tip_radius_m = tip_radius_m,
           .tags_by_name = app.tags};
 }
 
@@ -469,7 +470,9 @@ class SceneBuilder::Work : public std::enable_shared_from_this<Work> {
 };
 
 SceneBuilder::SceneBuilder(BuilderOptions options)
-    : hull_radius_m_(options.hull_radius_m), work_(std::make_shared<Work>(std::move(options))) {
+    : hull_radius_m_(options.hull_radius_m),
+      tip_radius_m_(options.tip_radius_m),
+      work_(std::make_shared<Work>(std::move(options))) {
   dispatcher_ = std::thread([work = work_] { work->Dispatch(); });
 }
 
@@ -481,7 +484,7 @@ SceneBuilder::~SceneBuilder() {
 void SceneBuilder::Request(std::uint64_t client, const config::AppEntry& app, const std::string& application) {
   Request({.client = client,
            .file = app.scene,
-           .options = LoadOptionsOf(app, hull_radius_m_),
+           .options = LoadOptionsOf(app, hull_radius_m_, tip_radius_m_),
            .document = nullptr,
            .application = application});
 }

@@ -53,7 +53,7 @@ struct SoftOutcome {
 };
 
 // Options from an application's file for its scene.
-scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m);
+scene::LoadOptions LoadOptionsOf(const config::AppEntry& app, double hull_radius_m, double tip_radius_m);
 
 // A scene to be built, and for which client.
 struct SceneJob {
@@ -86,6 +86,7 @@ struct BuilderStatus {
 
 struct BuilderOptions {
   double hull_radius_m = 0.0375;
+  double tip_radius_m = scene::LoadOptions{}.tip_radius_m;  // of the pen
   std::string cache_folder;    // of built scenes (scene/cache/cache_store.h); empty: no cache
   std::string journal_folder;  // of strokes (scene/journal); empty: they are not kept
   // Of a soft body, at most [100, 400000]; more take longer to compute.
@@ -124,7 +125,7 @@ class SceneBuilder {
 
  private:
   class Work;  // shared with the threads, of which one may outlive this when a disk hangs
-  const double hull_radius_m_;
+  const double hull_radius_m_, tip_radius_m_;
   const std::shared_ptr<Work> work_;
   std::thread dispatcher_;
 };

@@ -378,7 +378,7 @@ std::string_view TagsLostBy(const Json& root) {
   return {};
 }
 
-double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& warnings) {
+double ReadTipRadius(const Json& scene, const std::string& pointer, double usual_m, Warnings& warnings) {
   struct Tip {
     double radius_m = 0;
   };
@@ -388,7 +388,7 @@ double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& wa
   const Json* haptic = extras ? FindMember(*extras, "haptic") : nullptr;
   const Json* tip = haptic ? FindMember(*haptic, "tip") : nullptr;
   const Json* radius = tip ? FindMember(*tip, "radius") : (extras ? FindMember(*extras, "haptic.tip.radius") : nullptr);
-  if (!radius) return 0;
+  if (!radius) return usual_m;
   HapticTag unused;
   Values<Tip> values;
   const std::string place = JoinPointer(pointer, "extras");
@@ -396,7 +396,7 @@ double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& wa
       .ReadNumber(kKeys, values, "tip.radius", *radius,
                   tip ? JoinPointer(JoinPointer(JoinPointer(place, "haptic"), "tip"), "radius")
                       : JoinPointer(place, "haptic.tip.radius"));
-  return Filled(kKeys, values).radius_m;
+  return values.Get(0).value_or(usual_m);
 }
 
 // Resolves combinations that exclude each other.

@@ -133,7 +133,8 @@ class NamedTags {
 std::string_view TagsLostBy(const Json& root);
 
 // Radius of the tip's ball in `extras` of a scene, "haptic": {"tip": {"radius": m}} or "haptic.tip.radius"; 0: a point.
-double ReadTipRadius(const Json& scene, const std::string& pointer, Warnings& warnings);
+// `usual_m`: where there is none.
+double ReadTipRadius(const Json& scene, const std::string& pointer, double usual_m, Warnings& warnings);
 
 // Contradictions are resolved with a warning: dynamic friction above static is lowered; sculptable wins over extrude
 // and over softness tet; kinematic wins over sculptable and extrude. Textures and the fibres' direction, which need the

@@ -17,11 +17,13 @@ Finding CheckApplications(const Surroundings& surroundings) {
   if (table.entries.empty()) {
     return {Verdict::kWarn, "no application has a scene", "add a file to ~/.config/omni/apps.d (docs/howto/apps.md)"};
   }
+  const base::DeviceGeometry& device = config::DefaultDevice();
+  const double tip_radius_m = config::NibRadius_m(device.magnet);
   for (const config::AppEntry& entry : table.entries) {
     if (entry.scene.empty()) continue;  // it configures inputs only
     const base::Result<std::string> file = FindScene(entry.scene);
     const base::Result<LoadedScene> scene =
-        file.ok() ? LoadScene(*file, daemon::LoadOptionsOf(entry, config::DefaultDevice().hull_radius_m))
+        file.ok() ? LoadScene(*file, daemon::LoadOptionsOf(entry, device.hull_radius_m, tip_radius_m))
                   : base::Error{file.error()};
     if (!scene.ok()) {
       return {Verdict::kFail, "the scene of \"" + entry.application_glob + "\" does not load: " + scene.error(),

@@ -73,12 +73,13 @@ int Explain(const ExplainArguments& arguments) {
   if (!path.ok()) return FailWith(arguments.as_json, "omni scene explain", path.error());
   scene::LoadOptions options = LoadOptionsOf(arguments);
   options.hull_radius_m = config::DefaultDevice().hull_radius_m;
+  options.tip_radius_m = config::NibRadius_m(config::DefaultDevice().magnet);
   if (!arguments.app.empty()) {
     const base::Result<std::string> text = config::ReadTextFile(arguments.app);
     if (!text.ok()) return FailWith(arguments.as_json, "omni scene explain", text.error());
     const auto app = config::ParseAppFile(*text, arguments.app, config::ScenesFolder());
     if (!app.ok()) return FailWith(arguments.as_json, "omni scene explain", app.error());
-    options = daemon::LoadOptionsOf(*app, options.hull_radius_m);
+    options = daemon::LoadOptionsOf(*app, options.hull_radius_m, options.tip_radius_m);
   }
   const base::Result<LoadedScene> loaded = LoadScene(*path, options, !arguments.no_cache);
   if (!loaded.ok()) return FailWith(arguments.as_json, "omni scene explain", loaded.error());
