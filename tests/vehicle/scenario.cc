@@ -154,6 +154,37 @@ TEST(Hits, StrongHitIsRenderedDuringAWeakOne) {
   }
 }
 
+// Through Step: as in the paper, a hit pushes the pen to the base, the harder the faster the car was.
+TEST(Hits, PushToTheBaseByTheShareOfTheTag) {
+  for (const double share : {0.0, 0.5, 1.0}) {
+    double last_N = 0;
+    for (const double speed_m_s : {0.02, 0.04, 0.08}) {
+      SceneInput input = Ring();
+      input.vehicle->hit_to_base = share;
+      input.vehicle->engine_force_N = input.vehicle->road_force_N = 0;
+      Pen pen(Built(input));
+      const Vec3 tip = input.joystick->centre_base_m + Vec3{0.0005, -0.0005, 0};  // within the dead zone
+      pen.MoveTo(tip);
+      pen.Rest(3);
+      pen.state.vehicle.heading_rad = 0;  // straight at the outer wall, near it
+      pen.state.vehicle.position_base_m.x = 0.046;
+      pen.state.vehicle.velocity_base_m_s = {speed_m_s, 0, 0};
+      Vec3 peak_N;
+      for (int k = 0; k < 1000; ++k) {
+        pen.Rest(1);
+        if (Norm(pen.output.force_base_N) > Norm(peak_N)) peak_N = pen.output.force_base_N;
+      }
+      ASSERT_EQ(pen.state.vehicle.hits, 1U);
+      const double down_N = -Dot(peak_N, tip) / Norm(tip), off_wall_N = -peak_N.x;
+      EXPECT_GT(Norm(peak_N), last_N) << share;
+      last_N = Norm(peak_N);
+      if (share == 0) EXPECT_NEAR(peak_N.z, 0, 1e-9);
+      if (share == 1) EXPECT_NEAR(down_N, Norm(peak_N), 1e-9 * down_N);
+      if (share == 0.5) EXPECT_GT(std::min(down_N, off_wall_N), 0.6 * Norm(peak_N));
+    }
+  }
+}
+
 TEST(Road, ForceStaysWithinItsBound) {
   VehicleInput car;
   car.engine_force_N = car.road_force_N = 0.1;

@@ -204,7 +204,9 @@ TEST(Pulses, GrowWithSpeedWithinForceAndSlewLimits) {
     Vec3 others_N = random.InBox(0.5);
     others_N = base::FeasibleScale(limit, others_N) * others_N;
     const double angle = random.Uniform(-3.2, 3.2);
-    const Vec3 normal{std::cos(angle), std::sin(angle), 0};
+    car.hit_to_base = random.Uniform(0, 1);
+    const Vec3 normal = HitDirection(car, {std::cos(angle), std::sin(angle), 0}, random.InBox(0.06));
+    ASSERT_NEAR(Norm(normal), 1, 1e-12);
     const PulseLimits limits{limit, others_N, 850};
     double last_N = 0;
     for (int k = 0; k < 20; ++k) {

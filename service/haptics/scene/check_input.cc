@@ -138,9 +138,9 @@ Status CheckVehicle(const VehicleInput& v) {
         Field{"slip_stiffness_rear_per_rad", v.slip_stiffness_rear_per_rad, 1e-3, 100},
         Field{"front_share", v.front_share, 0.1, 0.9}, Field{"inertia", v.inertia, 0.1, 10},
         Field{"hit_force_N", v.hit_force_N, 0, 10}, Field{"hit_speed_m_s", v.hit_speed_m_s, kTiny, kHuge},
-        Field{"hit_duration_s", v.hit_duration_s, 1e-3, 10}, Field{"engine_force_N", v.engine_force_N, 0, 0.1},
-        Field{"engine_frequency_Hz", v.engine_frequency_Hz, 0, 150}, Field{"road_force_N", v.road_force_N, 0, 0.1},
-        Field{"road_wavelength_m", v.road_wavelength_m, kTiny, kHuge},
+        Field{"hit_duration_s", v.hit_duration_s, 1e-3, 10}, Field{"hit_to_base", v.hit_to_base, 0, 1},
+        Field{"engine_force_N", v.engine_force_N, 0, 0.1}, Field{"engine_frequency_Hz", v.engine_frequency_Hz, 0, 150},
+        Field{"road_force_N", v.road_force_N, 0, 0.1}, Field{"road_wavelength_m", v.road_wavelength_m, kTiny, kHuge},
         Field{"start_line_m", v.start_line_m, -kHuge, kHuge}}) {
     if (!(f.value >= f.minimum && f.value <= f.maximum)) {
       return Error{std::string("vehicle: ") + f.name + " is " + NumberText(f.value) + ", it must be in [" +

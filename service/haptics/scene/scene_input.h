@@ -70,6 +70,7 @@ struct VehicleInput {
   double hit_force_N = 0.8;                  // pulse amplitude at high impact speed
   double hit_speed_m_s = 0.05;               // J = hit_force (1 - exp(-v / hit_speed))
   double hit_duration_s = 0.03;              // half sine
+  double hit_to_base = 0;                    // share of a hit that pushes to the base, not off the wall, [0, 1]
   double engine_force_N = 0.02;              // hum at full speed, [0, 0.1]
   double engine_frequency_Hz = 90;           // at full speed, [0, 150]
   double road_force_N = 0.03;                // ripple of the road, [0, 0.1]

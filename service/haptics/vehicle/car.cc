@@ -1,5 +1,7 @@
 #include "service/haptics/vehicle/car.h"
 
+#include <span>
+
 #include "service/base/force_limit.h"
 #include "service/haptics/scene/scene.h"
 #include "service/haptics/vehicle/car_force.h"
@@ -66,10 +68,13 @@ Vec3 StepVehicle(const Config& config, const StiffnessBound& bound, const Scene&
   if (header.has_vehicle == 0) return stick_N;
   const VehicleInput& car = header.vehicle;
   if (!state.vehicle.started) StartCar(car, state.vehicle);
-  const Impacts impacts = DriveCar(car, WallsOf(scene), scene.materials(), stick, input.dt_s, state.vehicle);
+  Impacts impacts = DriveCar(car, WallsOf(scene), scene.materials(), stick, input.dt_s, state.vehicle);
   output.vehicle = ReportOf(state.vehicle);
   if (input.limit.valid) stick_N = LeaveRoom(input.limit, stick_N);
   const PulseLimits limits{input.limit, contacts_N + stick_N, config.force_slew_N_s};
+  for (Impact& impact : std::span(impacts.of).first(static_cast<std::size_t>(impacts.count))) {
+    impact.normal = HitDirection(car, impact.normal, input.device_point_base_m);
+  }
   StartPulses(car, limits, impacts, state.vehicle);
   const PulseForce pulse = AdvancePulses(car, limits, input.dt_s, state.vehicle);
   const double road_N = (1 - pulse.share) * RoadForce_N(car, input.dt_s, state.vehicle);

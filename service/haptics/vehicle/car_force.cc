@@ -11,6 +11,7 @@ namespace omni::haptics {
 namespace {
 
 constexpr double kRoomMax_N = 1e3;  // more than any device makes
+constexpr double kOpposed = 1e-6;   // of a squared length: the two directions cancel
 constexpr double kReserve = 0.9;    // of the headroom: the pose and the other forces change a little while a pulse runs
 
 }  // namespace
@@ -30,6 +31,12 @@ double Headroom_N(const base::ForceLimit& limit, const Vec3& others_N, const Vec
   const std::array<double, base::kCoilCount> step_A{step.x, step.y, step.z};
   if (!(base::LargestShare(limit, start_A, step_A, 0) >= 0)) return 0;
   return std::max(0.0, base::LargestShare(limit, start_A, step_A, length.ClampToLimit(kRoomMax_N)));
+}
+
+Vec3 HitDirection(const VehicleInput& car, const Vec3& normal, const Vec3& tip) noexcept {
+  const Vec3 to_base = -1 * Normalized(tip);
+  const Vec3 sum = (1 - car.hit_to_base) * normal + car.hit_to_base * to_base;
+  return SquaredNorm(sum) > kOpposed ? Normalized(sum) : normal;
 }
 
 double PulseAmplitude_N(const VehicleInput& car, const PulseLimits& limits, const Impact& impact) noexcept {
@@ -54,7 +61,7 @@ void StartPulses(const VehicleInput& car, const PulseLimits& limits, const Impac
   }
 }
 
-// F = sum J sin(pi t / T) n, at most what fits   (8.11), (8.12)
+// F = sum J sin(pi t / T) d, at most what fits   (8.11), (8.12)
 PulseForce AdvancePulses(const VehicleInput& car, const PulseLimits& limits, double dt_s,
                          VehicleState& state) noexcept {
   PulseForce sum;

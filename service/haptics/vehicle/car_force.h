@@ -14,6 +14,10 @@ namespace omni::haptics {
 // direction is feasible. 0 if the limit is invalid or `others_N` alone is not feasible.
 double Headroom_N(const base::ForceLimit& limit, const Vec3& others_N, const Vec3& direction) noexcept;
 
+// Where a hit of a wall with this normal pushes the pen at `tip`: d = (1 - h) n + h c, normalised, c the direction of
+// the base's centre, h the share of the tag   (8.11). Unit.
+Vec3 HitDirection(const VehicleInput& car, const Vec3& normal, const Vec3& tip) noexcept;
+
 struct PulseLimits {
   const base::ForceLimit& device;
   Vec3 others_N;  // other forces rendered

@@ -63,6 +63,8 @@ inline constexpr auto kVehicleKeys = std::to_array<base::NumberField<haptics::Ve
     {"hitForce", "N", 0, 2, base::AccessMember<&haptics::VehicleInput::hit_force_N>(), ""},
     {"hitSpeed", "m/s", 0.001, 1, base::AccessMember<&haptics::VehicleInput::hit_speed_m_s>(), ""},
     {"hitDuration", "s", 0.005, 0.2, base::AccessMember<&haptics::VehicleInput::hit_duration_s>(), ""},
+    {"hitToBase", "1", 0, 1, base::AccessMember<&haptics::VehicleInput::hit_to_base>(),
+     "share of a hit that pushes to the base, not off the wall"},
     {"grip", "g", 0.01, 5, base::AccessMember<&haptics::VehicleInput::grip_g>(), "largest acceleration by the tyres"},
     {"slipStiffnessFront", "1/rad", 0.1, 50, base::AccessMember<&haptics::VehicleInput::slip_stiffness_front_per_rad>(),
      "side force over load, per rad of slip angle"},
