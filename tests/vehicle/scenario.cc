@@ -178,9 +178,13 @@ TEST(Hits, PushToTheBaseByTheShareOfTheTag) {
       const double down_N = -Dot(peak_N, tip) / Norm(tip), off_wall_N = -peak_N.x;
       EXPECT_GT(Norm(peak_N), last_N) << share;
       last_N = Norm(peak_N);
-      if (share == 0) EXPECT_NEAR(peak_N.z, 0, 1e-9);
-      if (share == 1) EXPECT_NEAR(down_N, Norm(peak_N), 1e-9 * down_N);
-      if (share == 0.5) EXPECT_GT(std::min(down_N, off_wall_N), 0.6 * Norm(peak_N));
+      if (share == 0) {
+        EXPECT_NEAR(peak_N.z, 0, 1e-9);
+      } else if (share == 1) {
+        EXPECT_NEAR(down_N, Norm(peak_N), 1e-9 * down_N);
+      } else {
+        EXPECT_GT(std::min(down_N, off_wall_N), 0.6 * Norm(peak_N));
+      }
     }
   }
 }
