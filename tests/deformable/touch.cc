@@ -76,6 +76,53 @@ TEST(SoftTouch, BallTipPressesWithItsOwnRadius) {
   EXPECT_EQ(pen.output.contact_count, 0);
 }
 
+struct Prepared {
+  InputObject mesh;
+  const SoftBody& body;
+  Vec3 top;  // where it is pressed, down
+};
+
+// Before the body is ready its material is felt under the same ball: of any radius, at any depth.
+TEST(SoftTouch, StandInIsWithin15PercentOfTheBody) {
+  static const base::Result<SoftBody> box = BuildSmall(SoftBoxMesh(), SmallOptions());
+  for (const Prepared& prepared : {Prepared{Sphere(24, kRadius_m), SoftBall(), {0, 0, kRadius_m}},
+                                   Prepared{SoftBoxMesh(), *box, {0.004, 0.003, 0.03}}}) {
+    for (const double radius_m : {0.0002, 0.0005, 0.001, 0.0015, 0.002, 0.003}) {
+      SceneInput input = SceneOf(prepared.mesh, Jelly());
+      input.tip_radius_m = radius_m;
+      Scene ready = Built(input);
+      auto live = std::make_shared<LiveParts>();
+      live->SetSoftBody(0, Copy(prepared.body));
+      ready.SetLive(std::move(live));
+      Pen with(ready), before(Built(input));
+      for (const double depth_m : {2e-4, 5e-4, 1e-3, 2e-3, 3e-3}) {
+        for (Pen* pen : {&with, &before}) {
+          pen->Slide(prepared.top + Vec3{0, 0, radius_m + 0.001}, prepared.top + Vec3{0, 0, radius_m - depth_m}, 50);
+          pen->Rest(600);
+        }
+        const double body_N = with.output.force_base_N.z, stand_in_N = before.output.force_base_N.z;
+        EXPECT_GT(body_N, 0) << radius_m << " " << depth_m;
+        EXPECT_NEAR(stand_in_N / body_N, 1, 0.15) << radius_m << " " << depth_m << ", " << body_N << " N";
+      }
+    }
+  }
+}
+
+// Pressed, held and released it relaxes as the body does.
+TEST(SoftTouch, StandInRelaxesAsTheBodyDoes) {
+  Pen with(SoftScene(Jelly(), false, false, 0.0015)), before(SoftScene(Jelly(), true, false, 0.0015));
+  double worst_N = 0, largest_N = 0;
+  for (int k = 0; k < 900; ++k) {
+    const double height_m = 0.0325 - 0.0025 * std::min({1.0, k / 60.0, (900 - k) / 300.0});
+    with.MoveTo({0, 0, height_m});
+    before.MoveTo({0, 0, height_m});
+    worst_N = std::max(worst_N, std::abs(with.output.force_base_N.z - before.output.force_base_N.z));
+    largest_N = std::max(largest_N, with.output.force_base_N.z);
+  }
+  EXPECT_GT(largest_N, 0.1);
+  EXPECT_LT(worst_N, 0.1 * largest_N);
+}
+
 // A body that becomes ready under the pen waits until the contact ends: until then not a bit changes.
 TEST(SoftTouch, NewSoftBodyWaitsUntilContactEnds) {
   Pen with(SoftScene(Jelly(), true)), without(SoftScene(Jelly(), true));

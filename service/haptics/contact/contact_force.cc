@@ -143,7 +143,8 @@ struct ContactModel {
     result.depth_m = met.depth_m;
     result.asked_stiffness_N_m = factors.stiffness * m.stiffness_N_m;
     result.stiffness_cut = result.asked_stiffness_N_m > 0 ? stiffness_N_m / result.asked_stiffness_N_m : 1;
-    result.elastic_N = met.soft ? body_N : LayerForce(m.softness, stiffness_N_m, met.depth_m, dt_s, contact);
+    const double ball_m = PressRadius_m(contact_scene);
+    result.elastic_N = met.soft ? body_N : LayerForce(m.softness, stiffness_N_m, met.depth_m, ball_m, dt_s, contact);
     const double tangential_N_m = met.depth_m > 1e-9 ? result.elastic_N / met.depth_m : 0;
     const double rubs_N_m = std::min({tangential_N_m, stiffness_N_m, bound.stiffness_N_m});  // any direction
     const Vec3 friction = Rub(met, factors, m, rubs_N_m, result.elastic_N, contact);

@@ -40,15 +40,17 @@ struct PopThroughEffect {
 };
 
 // Soft surface: an elastic layer in series with the contact's stiffness, with one relaxing term   (section 4).
-inline constexpr double kIndenterRadius_m = 0.003;  // of the pen's tip
+inline constexpr double kIndenterRadius_m = 0.003;  // of a tip that is a point
 inline constexpr double kRelaxingShare = 0.3;       // instantaneous over long-term modulus, minus one
 
 // Normal force of the whole contact at `depth_m`, without damping. Monotone in depth, slope at most `stiffness_N_m`.
-// `softness.model` kNone: stiffness * depth. kTet, before its body is ready: as kWinkler.
-double ElasticForce(const Softness& softness, double stiffness_N_m, double depth_m) noexcept;
+// `softness.model` kNone: stiffness * depth. kTet: LayerForce. `ball_m`: radius of the tip, > 0.
+double ElasticForce(const Softness& softness, double stiffness_N_m, double depth_m,
+                    double ball_m = kIndenterRadius_m) noexcept;
 
-// Adds the relaxing part; updates contact.elastic_N and contact.relaxation_N.
-double LayerForce(const Softness& softness, double stiffness_N_m, double depth_m, double dt_s,
+// Adds the relaxing part; updates contact.elastic_N and contact.relaxation_N. kTet, before its body is ready: a
+// half-space of its material   (4.4).
+double LayerForce(const Softness& softness, double stiffness_N_m, double depth_m, double ball_m, double dt_s,
                   ContactState& contact) noexcept;
 
 // Stick-slip friction with an anchor on the surface   (section 5).

@@ -19,6 +19,11 @@ SoftTouch* SlotOf(std::uint32_t object, State& state) noexcept {
 
 }  // namespace
 
+double PressRadius_m(const ContactScene& contact_scene) noexcept {
+  const double ball_m = contact_scene.tip_radius_m();
+  return ball_m > 0 ? ball_m : kIndenterRadius_m;
+}
+
 // The direction to the proxy is that of a small difference where the dent is small; the face's normal steadies it.
 SoftPress PressOf(const ContactScene& contact_scene, const Target& target, const ContactState& contact) noexcept {
   constexpr double kSteady_m = 2e-5;
@@ -42,8 +47,7 @@ std::array<SoftForce, kMaxContacts> SoftForcesOf(const ContactScene& contact_sce
     if (!contact.IsFelt() || contact.object != object || !(press[k].stiffness_N_m > 0)) continue;
     contacts[k] = {true, contact.proxy_m, press[k].normal, press[k].depth_m, 1 / press[k].stiffness_N_m};
   }
-  const double ball_m = contact_scene.tip_radius_m();
-  StepSoftContacts(body->view(), contacts, ball_m > 0 ? ball_m : kIndenterRadius_m, dt_s, soft->body, forces);
+  StepSoftContacts(body->view(), contacts, PressRadius_m(contact_scene), dt_s, soft->body, forces);
   return forces;
 }
 

@@ -13,6 +13,9 @@ struct SoftPress {
   double stiffness_N_m = 0;  // of the contact's spring, in series with the body; > 0
 };
 
+// Of the ball that presses a body or a layer: the tip's, or kIndenterRadius_m for a point.
+double PressRadius_m(const ContactScene& contact_scene) noexcept;
+
 // Direction of the body's reaction, out of the surface, and depth of the real tip   (deformable.md 8.1).
 SoftPress PressOf(const ContactScene& contact_scene, const Target& target, const ContactState& contact) noexcept;
 

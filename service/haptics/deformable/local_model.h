@@ -30,7 +30,8 @@ struct LocalModel {
   SoftGain gain;
 };
 
-inline constexpr double kLargestDent = 1;  // s up to which the gain was fitted and a bit beyond; linear from there on
+inline constexpr double kDeepest_balls = 4;  // depth beyond this is taken for this
+inline constexpr double kLargestDent = 1;    // s up to which the gain was fitted and a bit beyond; linear from there on
 
 // A point of the model.
 struct LocalPoint {

@@ -11,7 +11,6 @@ constexpr double kForceTolerance = 1e-7;  // relative
 constexpr double kMovedWeight = 1e-3;     // a row of the matrix is kept until its place moved by this
 constexpr double kStaleDiagonal = 0.05;   // ... or its own compliance changed by this share
 constexpr double kLeastGive = 0.1;        // of a patch, of a half-space's
-constexpr double kDeepest_balls = 4;      // depth beyond this is taken for this
 
 std::size_t Z(int i) { return static_cast<std::size_t>(i); }
 
