@@ -40,13 +40,25 @@ inline std::vector<Corners> CornersOf(const InputObject& object) {
 // contains no surface, so all points in it are on the same side; and only triangles that were near there can be near.
 class BallOracle {
  public:
-  explicit BallOracle(std::vector<Corners> corners) : corners_(std::move(corners)) {}
+  explicit BallOracle(std::vector<Corners> corners) : corners_(std::move(corners)) {
+    for (const Corners& c : corners_) {
+      const Vec3 middle = (1.0 / 3) * (c[0] + c[1] + c[2]);
+      const double radius_m = std::max({Norm(c[0] - middle), Norm(c[1] - middle), Norm(c[2] - middle)});
+      all_.push_back({c, middle, radius_m});
+    }
+  }
 
   double Distance(const Vec3& p) {
     if (!(Norm(p - gathered_at_) < 0.5 * kGather_m)) Gather(p);
     double best = 0.25 * kGather_m * kGather_m;
-    for (const Corners& corners : near_) best = std::min(best, SquaredDistance(corners, p));
-    return std::sqrt(best);  // at most half of kGather_m
+    double best_m = std::sqrt(best);
+    for (const Bounded& b : near_) {
+      const double beyond_m = best_m + b.radius_m;
+      if (SquaredNorm(p - b.middle) >= beyond_m * beyond_m) continue;
+      best = std::min(best, SquaredDistance(b.corners, p));
+      best_m = std::sqrt(best);
+    }
+    return best_m;  // at most half of kGather_m
   }
   bool IsInside(const Vec3& p) {
     if (Norm(p - counted_at_) < 0.999 * clear_m_) return inside_;
@@ -74,12 +86,20 @@ class BallOracle {
   void Gather(const Vec3& p) {
     gathered_at_ = p;
     near_.clear();
-    for (const Corners& corners : corners_) {
-      if (SquaredDistance(corners, p) < kGather_m * kGather_m) near_.push_back(corners);
+    for (const Bounded& b : all_) {
+      const double beyond_m = kGather_m + b.radius_m;
+      if (SquaredNorm(p - b.middle) >= beyond_m * beyond_m) continue;
+      if (SquaredDistance(b.corners, p) < kGather_m * kGather_m) near_.push_back(b);
     }
   }
 
-  std::vector<Corners> corners_, near_;
+  struct Bounded {
+    Corners corners;
+    Vec3 middle;  // of a ball around it
+    double radius_m;
+  };
+  std::vector<Corners> corners_;
+  std::vector<Bounded> all_, near_;
   Vec3 gathered_at_{1e9, 0, 0}, counted_at_{1e9, 0, 0};
   double clear_m_ = 0;
   bool inside_ = false;
@@ -182,11 +202,15 @@ class BallJudge {
     return false;
   }
   void CountRuns(const Vec3& tip, const Vec3& held, const Output& output) {
-    const double gap_m = Gap(tip);
     const bool felt = std::any_of(output.contacts.begin(), output.contacts.begin() + output.contact_count,
                                   [this](const Contact& c) { return c.object == object_ && Norm(c.force_base_N) > 0; });
-    const bool is_free = gap_m > kSeen_m && felt, through = is_free && IsBetween(held, tip);
-    Count(gap_m < -kSeen_m && !felt, missed_run_, verdict.missed);
+    // The side, which costs more than the distance, only where it decides.
+    const double distance_m = about_tip_.Distance(tip);
+    const bool missed =
+        !felt && (distance_m < radius_m_ - kSeen_m || (distance_m + radius_m_ > kSeen_m && about_tip_.IsInside(tip)));
+    const bool is_free = felt && distance_m > radius_m_ + kSeen_m && !about_tip_.IsInside(tip);
+    const bool through = is_free && IsBetween(held, tip);
+    Count(missed, missed_run_, verdict.missed);
     Count(is_free && !through, false_run_, verdict.false_contacts);
     verdict.through += through;
   }
