@@ -89,7 +89,7 @@ TEST(BallTip, CentreLiesOneRadiusUpThePen) {
       centre = centre + moved;
       Output at_tip, at_centre;
       Input input = leaning.input;
-      input.t_ns = 1'000'000 * k;
+      input.t_ns = std::int64_t{1'000'000} * k;
       input.device_point_base_m = centre;
       input.velocity_base_m_s = 1000 * moved;
       haptics::Step(config, scene, input, about.state, at_centre);
