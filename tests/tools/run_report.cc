@@ -66,6 +66,32 @@ TEST_F(RunReportTest, MeasuresAgainstTheInterpolatedTruth) {
   EXPECT_TRUE(Shortcomings(*report).empty());
 }
 
+// The pen comes down to a gap of 5 mm; the coils push from 10 mm on, with a peak of 3 N for 4 ticks, of 1.5 N for 40.
+TEST_F(RunReportTest, MeasuresGapAndForceWhileTheCoilsPush) {
+  Write(0);
+  std::ofstream truth(files_.truth);
+  truth << "t_ns,present,magnet_x_m,magnet_y_m,magnet_z_m,force_x_N,force_y_N,force_z_N,coil_force_x_N,coil_force_y_N,"
+           "coil_force_z_N,gap_m\n";
+  for (int i = 0; i < 1000; ++i) {
+    const double gap_m = 0.025 - 2e-5 * i;
+    const double coil_N = gap_m > 0.010 ? 0 : i >= 800 && i < 804 ? 3 : i >= 900 && i < 940 ? 1.5 : 0.5;
+    truth << i * 1'000'000 << ",1,0,0,0.05,0,0," << (coil_N > 0 ? coil_N - 0.1 : -2) << ",0,0," << coil_N << ','
+          << gap_m << '\n';
+  }
+  truth.close();
+  RunData data;
+  const auto report = MakeReport("test", files_, data);
+  ASSERT_TRUE(report.ok()) << report.error();
+  EXPECT_NEAR(report->use.reached_N, 1.4, 1e-9) << "what the pen feels, five ticks long, while the coils push";
+  EXPECT_NEAR(report->use.gap_mean_mm, 7.5, 0.02);
+  EXPECT_NEAR(report->use.gap_p95_mm, 9.75, 0.03);
+  EXPECT_NEAR(report->use.gap_max_mm, 10, 0.03);
+  Write(0);  // a recording without forces
+  const auto older = MakeReport("test", files_, data);
+  ASSERT_TRUE(older.ok()) << older.error();
+  EXPECT_TRUE(nlohmann::json::parse(ToJson(*older).dump()).at("gap_mean_mm").is_null());
+}
+
 TEST_F(RunReportTest, ReportsNullErrorsWithoutATrackedPose) {
   Write(0);
   std::ofstream(files_.loop) << "t_ns,late,status,magnet_x_m,magnet_y_m,magnet_z_m,tip_x_m,tip_y_m,tip_z_m,force_x_N,"

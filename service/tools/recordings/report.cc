@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include <nlohmann/json.hpp>
 
@@ -140,6 +141,27 @@ TrackingErrors CompareTracking(const std::vector<TrackedPosition>& tracked, cons
           .silent_share = static_cast<double>(silent) / static_cast<double>(sigmas_mm.size())};
 }
 
+ForceUse MeasureUse(const CsvTable& table) {
+  static const std::vector<std::string> kColumns = {"gap_m",          "force_x_N",      "force_y_N",     "force_z_N",
+                                                    "coil_force_x_N", "coil_force_y_N", "coil_force_z_N"};
+  if (!table.MissingColumns(kColumns).empty()) return {kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured};
+  const auto size_N = [&](const std::string& of, std::size_t i) {
+    return std::hypot(table[of + "_x_N"][i], table[of + "_y_N"][i], table[of + "_z_N"][i]);
+  };
+  std::vector<double> gaps_mm, felt_N(table.rows());
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    if (!(size_N("coil_force", i) > kPushed_N)) continue;
+    felt_N[i] = size_N("force", i);
+    gaps_mm.push_back(1e3 * table["gap_m"][i]);
+  }
+  double reached_N = kNotMeasured;
+  for (std::size_t i = kReached_ticks; !gaps_mm.empty() && i <= felt_N.size(); ++i) {
+    const auto end = felt_N.begin() + static_cast<std::ptrdiff_t>(i);
+    reached_N = std::fmax(reached_N, *std::min_element(end - kReached_ticks, end));
+  }
+  return {reached_N, Mean(gaps_mm), Quantile(gaps_mm, 0.95), Quantile(gaps_mm, 1.0)};
+}
+
 base::Result<RunReport> MakeReport(const std::string& scene, const RunFiles& files, RunData& data) {
   const auto& [loop_entry, truth_entry, app_entry] = kRunFiles;
   auto loop = ReadTable(files, loop_entry,
@@ -151,6 +173,7 @@ base::Result<RunReport> MakeReport(const std::string& scene, const RunFiles& fil
   data = {.loop = std::move(*loop), .truth = std::move(*truth)};
   RunReport report{.scene = scene};
   report.tracking = CompareTracking(TrackedOf(data.loop), data.truth);
+  report.use = MeasureUse(data.truth);
   CountTracked(data.loop, data.truth, report);
   CountTicks(data.loop, report);
   const base::Status app = ReadApp(files, app_entry, report);
@@ -172,6 +195,9 @@ json ToJson(const RunReport& r) {
           {"tracking_max_mm", r.tracking.max_mm},
           {"contact_ticks", r.contact_ticks},
           {"peak_force_N", r.peak_force_N},
+          {"force_reached_N", r.use.reached_N},
+          {"gap_mean_mm", r.use.gap_mean_mm},
+          {"gap_p95_mm", r.use.gap_p95_mm},
           {"select_edges", r.select_edges},
           {"haptic_pulses", r.haptic_pulses},
           {"pose_valid_fraction", r.pose_valid_fraction},

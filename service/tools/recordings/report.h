@@ -36,6 +36,19 @@ struct TrackingErrors {
 // Precondition: `truth` is a recording of the twin.
 TrackingErrors CompareTracking(const std::vector<TrackedPosition>& tracked, const CsvTable& truth);
 
+// How the base is used in a run, from the twin's truth: how near the housing the pen is while the coils push, and the
+// force that it feels.
+constexpr double kPushed_N = 0.05;  // force of the coils from which on they push
+constexpr int kReached_ticks = 5;   // a force counts as reached that lasts so long
+
+// What is not measured is NaN: the coils never pushed, or the recording has no forces.
+struct ForceUse {
+  double reached_N = 0;                                    // magnetic force on the pen meanwhile
+  double gap_mean_mm = 0, gap_p95_mm = 0, gap_max_mm = 0;  // from the magnet to the hull
+};
+// Precondition: `truth` is a recording of the twin.
+ForceUse MeasureUse(const CsvTable& truth);
+
 struct RunReport {
   std::string scene;
   std::string app;
@@ -48,6 +61,7 @@ struct RunReport {
   double tracked_fraction = 0, coarse_fraction = 0;
   std::uint64_t contact_ticks = 0;  // rendered force over kContact_N
   double peak_force_N = 0;          // commanded
+  ForceUse use;
   std::uint64_t haptic_pulses = 0;  // that reached the coil command
   std::uint64_t select_edges = 0;   // false -> true seen by the app's own xrGetActionState
   double pose_valid_fraction = 0;   // of the app's locates after the first valid one

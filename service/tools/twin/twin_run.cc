@@ -87,6 +87,13 @@ std::string ErrorsText(const TrackingErrors& errors) {
   return text;
 }
 
+std::string UseText(const ForceUse& use) {
+  if (!std::isfinite(use.gap_mean_mm)) return "gap in use       none: the coils never pushed\n";
+  return Format("force reached    %.3f N, for %d ms\n", use.reached_N, kReached_ticks) +
+         Format("gap in use       mean %.1f mm, p95 %.1f mm, max %.1f mm\n", use.gap_mean_mm, use.gap_p95_mm,
+                use.gap_max_mm);
+}
+
 // Scans in a row that one hypothesis of the tracker explained.
 struct Stretch {
   std::int64_t begin_ns = 0, end_ns = 0;  // stamps of the first and the last scan
@@ -123,7 +130,8 @@ nlohmann::ordered_json StretchesJson(const std::vector<Stretch>& stretches) {
 }
 
 nlohmann::ordered_json RunJson(const RunArguments& arguments, const std::string& scene, double seconds,
-                               const daemon::VirtualRunSummary& summary, const TrackingErrors& errors) {
+                               const daemon::VirtualRunSummary& summary, const TrackingErrors& errors,
+                               const ForceUse& use) {
   return {{"simulation", true},
           {"scene", scene},
           {"seed", arguments.seed},
@@ -133,6 +141,8 @@ nlohmann::ordered_json RunJson(const RunArguments& arguments, const std::string&
           {"contact_ticks", summary.contact_ticks},
           {"select_presses", summary.select_presses},
           {"peak_force_N", summary.peak_force_N},
+          {"force_reached_N", use.reached_N},
+          {"gap_mm", {{"mean", use.gap_mean_mm}, {"p95", use.gap_p95_mm}, {"max", use.gap_max_mm}}},
           {"compared_ticks", errors.compared_ticks},
           {"error_mm", {{"mean", errors.mean_mm}, {"p95", errors.p95_mm}, {"max", errors.max_mm}}},
           {"sigma_median_mm", errors.sigma_median_mm},
@@ -185,8 +195,9 @@ int RunTwin(const RunArguments& arguments) {
   const auto table = CsvTable::Read(recording);
   if (!table.ok()) return Fail("omni twin run", table.error());
   const TrackingErrors errors = CompareTracking(tracked, *table);
+  const ForceUse use = MeasureUse(*table);
   if (arguments.as_json) {
-    nlohmann::ordered_json run = RunJson(arguments, path, seconds, summary, errors);
+    nlohmann::ordered_json run = RunJson(arguments, path, seconds, summary, errors, use);
     if (arguments.explain) run["explained"] = StretchesJson(stretches);
     PrintJson(run);
     return errors.compared_ticks > 0 ? kExitOk : kExitFailed;
@@ -202,6 +213,7 @@ int RunTwin(const RunArguments& arguments) {
   std::printf("contact ticks    %llu\n", static_cast<unsigned long long>(summary.contact_ticks));
   std::printf("select presses   %llu\n", static_cast<unsigned long long>(summary.select_presses));
   std::printf("peak force       %.3f N\n", summary.peak_force_N);
+  std::printf("%s", UseText(use).c_str());
   std::printf("%s", ErrorsText(errors).c_str());
   std::printf("hash             %016llx\n", static_cast<unsigned long long>(summary.hash));
   if (arguments.explain) std::printf("%s", StretchesText(stretches).c_str());
