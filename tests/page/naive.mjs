@@ -16,7 +16,7 @@ const kDrag_ms = 700; // of a calm hand
 const kWait_ms = 2200;
 const kFelt_N = 0.5;
 const kPulled_m = 1e-3;
-const kBlock_m = 0.056; // the clay's top, as it comes
+const kBlock_m = 0.045; // the clay's top, as it comes
 
 const times = Number(process.argv[2] ?? 10);
 const record = join(tmpdir(), `omni-naive-${process.pid}.csv`);

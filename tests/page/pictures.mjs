@@ -7,7 +7,7 @@ import { middleLine } from './support/track.mjs';
 import { launch, Program, Visitor } from './support/trial.mjs';
 
 const folder = process.argv[2];
-const kBlock_m = 0.056; // the clay's top, as it comes
+const kBlock_m = 0.045; // the clay's top, as it comes
 const kFinger_m = 0.007; // the last step goes further
 const kWide = { width: 1280, height: 800 };
 

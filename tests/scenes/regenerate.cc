@@ -9,6 +9,7 @@
 #include <string>
 
 #include "scenes/generator/models/scene_models.h"
+#include "service/haptics/geometry/triangle_math.h"
 #include "service/haptics/scene/scene.h"
 #include "service/scene/scene_file.h"
 
@@ -77,7 +78,7 @@ TEST(Scenes, ExtrusionIsOneClosedSculptableBlock) {
   EXPECT_GE(block.triangles.size(), 1000U);
   EXPECT_LE(block.triangles.size(), 2000U);
   const Span span = SpanOf(block);
-  EXPECT_NEAR(span.upper.z, 0.056, 1e-6);
+  EXPECT_NEAR(span.upper.z, 0.045, 1e-6);
   EXPECT_NEAR(span.upper.x - span.lower.x, 0.040, 1e-5);
   ASSERT_EQ(scene.materials.size(), 1U);
   EXPECT_EQ(scene.materials[0].stiffness_N_m, 600);
@@ -104,7 +105,7 @@ TEST(Scenes, DragonIsOneClosedSurfaceOfSoftRubber) {
   ASSERT_EQ(scene.materials.size(), 1U);
   EXPECT_EQ(scene.materials[0].softness.model, haptics::SoftnessModel::kTet);
   EXPECT_GE(scene.materials[0].softness.young_modulus_Pa, 2e4);
-  EXPECT_LE(scene.materials[0].softness.young_modulus_Pa, 5e4);
+  EXPECT_LE(scene.materials[0].softness.young_modulus_Pa, 5e5);
 }
 
 TEST(Scenes, RacetrackHasWallsVehicleAndJoystick) {
@@ -115,9 +116,9 @@ TEST(Scenes, RacetrackHasWallsVehicleAndJoystick) {
     EXPECT_TRUE(wall.car_wall) << wall.name;
   }
   ASSERT_TRUE(scene.joystick.has_value());
-  EXPECT_EQ(scene.joystick->centre_base_m.z, 0.062);
+  EXPECT_EQ(scene.joystick->centre_base_m.z, 0.047);
   ASSERT_TRUE(scene.vehicle.has_value());
-  EXPECT_NEAR(scene.vehicle->start_base_m.z, 0.047, 1e-6);
+  EXPECT_NEAR(scene.vehicle->start_base_m.z, 0.0398, 1e-6);
   const Span outer = SpanOf(scene.objects[0]);
   EXPECT_NEAR(outer.upper.x - outer.lower.x, 0.09, 0.012);
   EXPECT_NEAR(outer.upper.y - outer.lower.y, 0.06, 0.012);
@@ -153,6 +154,44 @@ TEST(Scenes, RacetrackCheckpointsGoAroundTheRoad) {
   }
 }
 
+// What is drawn, touchable or not, lies beside the housing, as people with a headset see it: nothing enters the hull.
+TEST(Scenes, NothingEntersTheHousing) {
+  constexpr double kHull_m = 0.0375;
+  for (const Document& document : {ExtrusionScene(), DragonScene(), RacetrackScene()}) {
+    double nearest_m = 1;
+    for (const OutNode& node : document.nodes) {
+      if (!node.mesh || node.name.starts_with("base")) continue;  // the housing itself, drawn
+      const Mesh& mesh = document.meshes[*node.mesh].mesh;
+      const double c = std::cos(node.heading_rad), s = std::sin(node.heading_rad);
+      const auto at = [&](std::uint32_t i) {
+        const Vec& p = mesh.positions[i];
+        const Vec& o = node.translation_base_m;
+        return base::Vec3{o.x + c * p.x - s * p.y, o.y + s * p.x + c * p.y, o.z + p.z};
+      };
+      for (const Triangle& t : mesh.triangles) {
+        const haptics::Corners corners{at(t[0]), at(t[1]), at(t[2])};
+        const double distance_m = Norm(haptics::ClosestOnTriangle(corners, {}).point);
+        EXPECT_GT(distance_m, kHull_m) << document.title << ": " << node.name;
+        nearest_m = std::min(nearest_m, distance_m);
+      }
+    }
+    EXPECT_LT(nearest_m, kHull_m + 0.001) << document.title << ": lies on it, where the base is strong";
+  }
+}
+
+// The stick moves inside the inner wall, and over everything.
+TEST(Scenes, RacetracksStickIsClearOfItsWalls) {
+  const haptics::SceneInput scene = Load("racetrack.glb");
+  ASSERT_TRUE(scene.joystick.has_value());
+  const base::Vec3& centre = scene.joystick->centre_base_m;
+  for (const haptics::InputObject& wall : scene.objects) {
+    for (const base::Vec3& p : wall.vertices_base_m) {
+      EXPECT_GT(std::hypot(p.x - centre.x, p.y - centre.y), scene.joystick->range_m) << wall.name;
+      EXPECT_LT(p.z, centre.z - 0.003) << wall.name;
+    }
+  }
+}
+
 // Hand paths: slow enough for a person, starting and ending clear of everything.
 TEST(Scenes, HandPathsAreSlowAndEndClear) {
   for (const std::string name : {"extrusion", "dragon", "racetrack"}) {
@@ -160,7 +199,7 @@ TEST(Scenes, HandPathsAreSlowAndEndClear) {
     const nlohmann::json script = nlohmann::json::parse(bytes.begin(), bytes.end());
     EXPECT_EQ(script.at("name"), name);
     double duration_s = 0;
-    Vec last(0, 0, 0.08);
+    Vec last(0, 0, script.at("waypoints")[0].at("tip_m")[2].get<double>());
     for (const auto& waypoint : script.at("waypoints")) {
       const Vec tip(waypoint.at("tip_m")[0].get<double>(), waypoint.at("tip_m")[1].get<double>(),
                     waypoint.at("tip_m")[2].get<double>());
@@ -170,12 +209,12 @@ TEST(Scenes, HandPathsAreSlowAndEndClear) {
       if (leg_s > 0) {
         EXPECT_LT(1.875 * glm::length(tip - last) / leg_s, 0.10) << name << " after " << duration_s << " s";
       }
-      EXPECT_GE(tip.z, 0.044);
+      EXPECT_GE(tip.z, 0.033);
       last = tip;
     }
     EXPECT_GE(duration_s, 12) << name;
     EXPECT_LE(duration_s, 16) << name;
-    EXPECT_GE(last.z, 0.079) << name;
+    EXPECT_GE(last.z, 0.055) << name;
   }
 }
 

@@ -17,7 +17,7 @@ class HeldPen : public device::Transport {
  public:
   HeldPen() {
     sim::TwinOptions options;
-    options.script.waypoints = {{.duration_s = 0, .tip_base_m = {0.008, 0.004, 0.055}}};
+    options.script.waypoints = {{.duration_s = 0, .tip_base_m = {0.008, 0.004, 0.044}}};
     twin_ = sim::MakeVirtualTwin(config::DefaultDevice(), options, 1e6);
   }
   device::ReadStatus Read(base::HallScan& scan, std::int64_t timeout_ns) noexcept override {

@@ -72,7 +72,7 @@ Document DragonScene() {
                               {"dynamicFriction", 0.5},
                               {"softness",
                                {{"model", "tet"},
-                                {"youngModulus", 5.0e4},
+                                {"youngModulus", 5.0e5},
                                 {"poissonRatio", 0.45},
                                 {"thickness", 0.012},
                                 {"maxDepth", 0.008},

@@ -10,14 +10,14 @@ namespace omni::scenes {
 namespace {
 
 constexpr std::array<SpinePoint, 19> kSpine = {{
-    {{-41.5, 23.0, 56.0}, 0.9},  // tail tip
-    {{-45.5, 19.5, 52.5}, 1.2}, {{-49.5, 13.5, 47.5}, 1.5}, {{-50.5, 6.0, 42.5}, 1.9},
-    {{-47.5, -1.0, 39.0}, 2.4}, {{-41.5, -4.5, 37.8}, 3.0}, {{-34.5, -4.0, 39.5}, 3.8},
-    {{-28.0, -2.0, 43.2}, 4.8}, {{-22.5, -0.6, 46.8}, 5.7}, {{-16.5, 0, 48.8}, 6.6},  // hips
-    {{-9.5, 0, 49.5}, 7.1},     {{-2.0, 0, 49.4}, 7.4},     {{5.5, 0, 50.0}, 8.0},    // chest
-    {{12.0, 0, 52.2}, 7.6},     {{17.5, 0, 56.6}, 6.0},                               // neck
-    {{21.3, 0.2, 62.2}, 4.8},   {{23.8, 0.7, 68.2}, 4.1},   {{26.8, 1.4, 73.6}, 3.8},
-    {{31.3, 2.0, 77.0}, 3.9},  // head
+    {{-41.5, 23.0, 45.0}, 0.9},  // tail tip
+    {{-45.5, 19.5, 41.5}, 1.2}, {{-49.5, 13.5, 36.5}, 1.5}, {{-50.5, 6.0, 31.5}, 1.9},
+    {{-47.5, -1.0, 28.0}, 2.4}, {{-41.5, -4.5, 26.8}, 3.0}, {{-34.5, -4.0, 28.5}, 3.8},
+    {{-28.0, -2.0, 32.2}, 4.8}, {{-22.5, -0.6, 35.8}, 5.7}, {{-16.5, 0, 37.8}, 6.6},  // hips
+    {{-9.5, 0, 38.5}, 7.1},     {{-2.0, 0, 38.4}, 7.4},     {{5.5, 0, 39.0}, 8.0},    // chest
+    {{12.0, 0, 41.2}, 7.6},     {{17.5, 0, 45.6}, 6.0},                               // neck
+    {{21.3, 0.2, 51.2}, 4.8},   {{23.8, 0.7, 57.2}, 4.1},   {{26.8, 1.4, 62.6}, 3.8},
+    {{31.3, 2.0, 66.0}, 3.9},  // head
 }};
 
 // Uniform Catmull-Rom.
@@ -78,26 +78,26 @@ void AddBody(std::vector<Shape>& shapes) {
     shapes.push_back(RoundCone(a.position, a.radius, b.position, b.radius, 0.4, kSkin));
   }
   // A deeper chest and broader haunches than a tube has.
-  shapes.push_back(RoundCone({11.5, 0, 49.2}, 6.2, {2.0, 0, 47.6}, 5.6, 3.0, kSkin));
+  shapes.push_back(RoundCone({11.5, 0, 38.2}, 6.2, {2.0, 0, 36.6}, 5.6, 3.0, kSkin));
   for (const double side : {-1.0, 1.0}) {
-    shapes.push_back(RoundCone({10.5, side * 4.2, 52.5}, 4.6, {3.0, side * 3.6, 51.6}, 4.0, 3.0, kSkin));
-    shapes.push_back(RoundCone({-12.0, side * 3.4, 48.6}, 4.8, {-17.5, side * 2.2, 48.0}, 3.8, 3.0, kSkin));
+    shapes.push_back(RoundCone({10.5, side * 4.2, 41.5}, 4.6, {3.0, side * 3.6, 40.6}, 4.0, 3.0, kSkin));
+    shapes.push_back(RoundCone({-12.0, side * 3.4, 37.6}, 4.8, {-17.5, side * 2.2, 37.0}, 3.8, 3.0, kSkin));
   }
 }
 
 void AddLegs(std::vector<Shape>& shapes) {
-  const Limb front = {{Vec(9.5, 6.2, 49.0), Vec(5.0, 12.0, 43.5), Vec(13.6, 14.2, 36.0), OnDome(16.2, 14.2, 1.5)},
+  const Limb front = {{Vec(9.5, 6.2, 38.5), Vec(5.0, 12.4, 40.6), Vec(13.6, 14.2, 36.0), OnDome(16.2, 14.2, 1.5)},
                       {4.6, 3.0, 2.0, 1.9},
                       {OnDome(20.6, 10.8, 1.0), OnDome(21.6, 14.6, 1.0), OnDome(19.2, 18.4, 1.0)}};
-  const Limb hind = {{Vec(-13.0, 5.4, 47.6), Vec(-6.0, 13.2, 43.0), Vec(-17.4, 14.2, 37.0), OnDome(-13.2, 15.2, 1.6)},
-                     {6.2, 4.2, 2.3, 2.1},
+  const Limb hind = {{Vec(-13.0, 5.6, 37.4), Vec(-6.0, 13.6, 40.2), Vec(-17.4, 14.2, 37.0), OnDome(-13.2, 15.2, 1.6)},
+                     {5.6, 3.6, 2.3, 2.1},
                      {OnDome(-8.4, 12.6, 1.0), OnDome(-7.8, 17.0, 1.0), OnDome(-10.6, 20.4, 1.0)}};
   for (const double side : {-1.0, 1.0}) {
     AddLimb(shapes, front, side);
     AddLimb(shapes, hind, side);
     // Heel spur and elbow spike.
     shapes.push_back(RoundCone({-17.6, side * 14.4, 37.2}, 1.0, {-20.8, side * 15.4, 36.0}, 0.3, 0.6, kHorn));
-    shapes.push_back(RoundCone({4.6, side * 12.3, 43.7}, 1.2, {0.8, side * 13.6, 44.6}, 0.3, 0.6, kHorn));
+    shapes.push_back(RoundCone({4.6, side * 12.7, 40.8}, 1.2, {0.8, side * 14.2, 41.4}, 0.3, 0.6, kHorn));
   }
 }
 
@@ -143,6 +143,10 @@ std::vector<Shape> DragonShapes() {
   AddHead(shapes);
   AddWings(shapes);
   AddRidges(shapes);
+  // It lies on the dome: its belly is cut to it.
+  Shape dome = RoundCone({0, 0, 0}, kDome_mm + kClear_mm, {0, 0, -1}, kDome_mm + kClear_mm, 0.01, kSkin);
+  dome.carve = true;
+  shapes.push_back(dome);
   return shapes;
 }
 

@@ -59,7 +59,7 @@ const HeadCone kCones[] = {
 
 Place HeadPlace() {
   Place place;
-  place.origin = {33.0, 2.3, 78.0};
+  place.origin = {33.0, 2.3, 67.0};
   place.forward = glm::normalize(Vec(0.955, 0.20, -0.16));
   place.left = glm::normalize(glm::cross(Vec(0, 0, 1), place.forward));
   place.up = glm::cross(place.forward, place.left);

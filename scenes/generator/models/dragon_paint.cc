@@ -154,7 +154,7 @@ Vec DragonColour(std::span<const Shape> shapes, const Vec& p, const Vec& normal)
 double DragonImportance(const Vec& p) {
   const Place head = HeadPlace();
   if (glm::length(p - head(Vec(6, 0, 0))) < 13) return 30;
-  if (glm::length(p) < kDome_mm + 3) return 6;                          // feet
+  if (glm::length(p) < kDome_mm + 3 && std::abs(p.y) > 9) return 6;     // feet
   if (std::abs(p.y) < 7 && p.x > -20 && glm::length(p) < 72) return 3;  // trunk: its markings
   return 1;
 }

@@ -11,7 +11,8 @@ namespace omni::scenes {
 
 enum DragonPaint : std::uint32_t { kSkin, kMembrane, kBone, kHorn, kRidge, kEye, kMouth, kPaintCount };
 
-inline constexpr double kDome_mm = 37.5;  // the base's hull, on which it stands
+inline constexpr double kDome_mm = 37.5;  // the base's hull, on which it lies ...
+inline constexpr double kClear_mm = 0.3;  // ... by so much
 
 // A frame that shapes are given in: p = origin + x forward + y left + z up.
 struct Place {

@@ -12,9 +12,9 @@ namespace {
 constexpr double kMembrane_mm = 0.45;  // half its thickness
 
 // The left wing. Spread, raised and swept back, so that the trunk stays free for the pen from above.
-const Vec kShoulder(7.0, 5.0, 54.5), kElbow(-4.0, 18.0, 62.0), kWrist(5.5, 31.0, 73.0), kHip(-15.0, 4.6, 51.5);
-const std::array<Vec, 4> kFingerTip = {Vec(-7.0, 56.0, 84.0), Vec(-23.0, 50.0, 74.5), Vec(-32.0, 38.0, 64.5),
-                                       Vec(-31.0, 24.0, 56.5)};
+const Vec kShoulder(7.0, 5.0, 43.5), kElbow(-4.0, 18.6, 54.5), kWrist(5.5, 31.0, 65.5), kHip(-15.0, 4.6, 40.5);
+const std::array<Vec, 4> kFingerTip = {Vec(-7.0, 56.0, 76.5), Vec(-23.0, 50.0, 67.0), Vec(-32.0, 38.0, 57.0),
+                                       Vec(-31.0, 24.0, 48.5)};
 const std::array<double, 4> kArch = {3.6, 4.2, 3.6, 2.6};  // how far a finger bows upwards
 
 Vec Finger(std::size_t i, double v) {

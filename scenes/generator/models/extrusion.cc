@@ -1,5 +1,6 @@
-// A rounded block of clay: wherever it is pressed and held, it can be pulled out and pushed in.
+// A rounded block of clay that lies on the dome: wherever it is pressed and held, it can be pulled out and pushed in.
 #include <algorithm>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -9,7 +10,8 @@ namespace omni::scenes {
 namespace {
 
 constexpr double kLength_m = 0.040, kWidth_m = 0.030, kHeight_m = 0.018;
-constexpr double kBottom_m = 0.038;  // just over the hull; the top lies at 56 mm
+constexpr double kTop_m = 0.045;   // 7.5 mm above the hull, where the base is strong
+constexpr double kDome_m = 0.038;  // the underside is cut to the hull, and lies just over it
 constexpr double kFillet_m = 0.003;
 constexpr int kFilletSteps = 3;
 
@@ -31,6 +33,14 @@ Vec Rounded(const Vec& p, const Vec& half_m) {
   return inner + glm::normalize(p - inner) * kFillet_m;
 }
 
+// Upright box -> on the dome: below the upper fillet every column is stretched to end on it. z: from the box's middle.
+double OnDome(const Vec& p) {
+  const double depth = kHeight_m / 2 - p.z;
+  const double thick = kTop_m - std::sqrt(kDome_m * kDome_m - p.x * p.x - p.y * p.y);
+  const double stretch = (thick - kFillet_m) / (kHeight_m - kFillet_m);
+  return kTop_m - (depth < kFillet_m ? depth : kFillet_m + stretch * (depth - kFillet_m));
+}
+
 struct Side {
   int axis;  // of its normal
   int sign;
@@ -49,7 +59,8 @@ void AddSide(const Side& side, const Vec& half_m, const std::vector<double> (&ti
       p[side.axis] = side.sign * half_m[side.axis];
       p[u] = a;
       p[v] = b;
-      mesh.positions.push_back(Rounded(p, half_m) + Vec(0, 0, kBottom_m + kHeight_m / 2));
+      const Vec rounded = Rounded(p, half_m);
+      mesh.positions.emplace_back(rounded.x, rounded.y, OnDome(rounded));
     }
   }
   for (std::uint32_t j = 0; j + 1 < rows; ++j) {
@@ -89,7 +100,8 @@ Document ExtrusionScene() {
                               {"snap", 0.002},
                               {"grabForce", 0.5},
                               {"dwell", 0.2},
-                              {"resistance", 60.0}}}};
+                              {"resistance", 60.0},
+                              {"rest", 1.0}}}};
   Document document;
   document.title = "extrusion";
   document.materials = {{"block", {0.300, 0.420, 0.560}, 0.6, 0, nullptr, nullptr},

@@ -10,16 +10,19 @@
 namespace omni::scenes {
 namespace {
 
-constexpr double kRoad_m = 0.047;  // height of the road's surface
+constexpr double kRoad_m = 0.0398;   // height of the road's surface: the ground lies just over the hull
+constexpr double kStick_m = 0.047;   // of the joystick: a gap of 11 mm, over posts and walls
+constexpr double kMiddle_m = 0.003;  // of the circuit, in y: the stick moves inside its inner wall
 constexpr double kRoadHalfWidth_m = 0.0065;
-constexpr double kWallThickness_m = 0.0014, kWallHeight_m = 0.0042;
+constexpr double kWallThickness_m = 0.0014, kWallHeight_m = 0.0034;
+constexpr double kGround_m = -0.0006, kUnderside_m = -0.0018;  // over the road
 constexpr int kAround = 128;
 
 // Centre line: an ellipse with a waist and a bulge, all of one curvature's sign or gently of the other.
 Vec Centre(double turn) {
   const double a = 2 * std::numbers::pi * turn;
   const double r = 1 - 0.13 * std::cos(3 * a + 0.6) - 0.05 * std::cos(2 * a);
-  return {0.0395 * r * std::cos(a), 0.0240 * r * std::sin(a) - 0.001, kRoad_m};
+  return {0.0395 * r * std::cos(a), 0.0240 * r * std::sin(a) + kMiddle_m, kRoad_m};
 }
 
 Vec Ahead(double turn) { return glm::normalize(Centre(turn + 1e-4) - Centre(turn - 1e-4)); }
@@ -142,7 +145,7 @@ Mesh StartLine() {
 // A dashed line across the road and a post on either wall.
 Mesh CheckpointMarks() {
   constexpr int kDashes = 5;
-  constexpr double kHalfLine_m = 0.0003, kHalfPost_m = 0.0005, kPost_m = 0.0035;
+  constexpr double kHalfLine_m = 0.0003, kHalfPost_m = 0.0005, kPost_m = 0.0016;
   const double dash = 2 * kRoadHalfWidth_m / (2 * kDashes - 1);
   Mesh mesh;
   for (const double turn : kCheckpoints) {
@@ -182,8 +185,8 @@ Mesh Ground() {
     const double c = std::cos(a), s = std::sin(a);
     // A superellipse of 112 x 84 mm.
     const double r = 1 / std::sqrt(std::sqrt(c * c * c * c + s * s * s * s));
-    for (const double z : {kRoad_m - 0.0030, kRoad_m - 0.0012})
-      mesh.positions.emplace_back(0.056 * r * c, 0.042 * r * s, z);
+    for (const double z : {kRoad_m + kUnderside_m, kRoad_m + kGround_m})
+      mesh.positions.emplace_back(0.056 * r * c, 0.042 * r * s + kMiddle_m, z);
   }
   for (std::uint32_t i = 0; i < kSides; ++i) {
     const std::uint32_t a = 2 * i, b = 2 * ((i + 1) % kSides);
@@ -214,9 +217,9 @@ Document RacetrackScene() {
                         {"grass", {0.085, 0.250, 0.060}, 0.95, 0, nullptr, nullptr},
                         {"post", {0.900, 0.480, 0.020}, 0.6, 0, nullptr, nullptr}};
   const double edge = kRoadHalfWidth_m, thick = kWallThickness_m;
-  document.meshes = {{"road", Ring(-edge, edge, -0.0012, 0.0), {0}, nullptr},
-                     {"outer wall", Ring(-edge - thick, -edge, -0.0012, kWallHeight_m), {1}, nullptr},
-                     {"inner wall", Ring(edge, edge + thick, -0.0012, kWallHeight_m), {2}, nullptr},
+  document.meshes = {{"road", Ring(-edge, edge, kGround_m, 0.0), {0}, nullptr},
+                     {"outer wall", Ring(-edge - thick, -edge, kGround_m, kWallHeight_m), {1}, nullptr},
+                     {"inner wall", Ring(edge, edge + thick, kGround_m, kWallHeight_m), {2}, nullptr},
                      {"car", CarMesh(), {3, 4, 5}, nullptr},
                      {"start line", StartLine(), {6, 7}, nullptr},
                      {"kerbs", Kerbs(), {8, 6}, nullptr},
@@ -238,8 +241,9 @@ Document RacetrackScene() {
                       {"speedMax", 0.06},
                       {"acceleration", 0.12},
                       {"steerMax", 0.55},
-                      {"hitForce", 0.8},
-                      {"hitSpeed", 0.04},
+                      {"hitForce", 2.0},
+                      {"hitSpeed", 0.03},
+                      {"hitToBase", 0.75},
                       {"hitDuration", 0.03},
                       {"grip", 0.06},
                       {"startLine", kStartLine_m},
@@ -250,7 +254,7 @@ Document RacetrackScene() {
                     {"ground", 6, Vec(0.0), 0, {{"role", "ignore"}}, {}},
                     {"joystick",
                      std::nullopt,
-                     Vec(0, 0, 0.062),
+                     Vec(0, 0, kStick_m),
                      0,
                      {{"role", "joystick"},
                       {"stiffness", 25.0},

@@ -118,8 +118,8 @@ class ServiceProcess {
   static constexpr const char* kPressOnTheBlock = R"({"name": "press", "repeat": false, "waypoints": [
       {"s": 0, "tip_m": [0.008, 0.004, 0.085], "axis": [0, 0, -1]},
       {"s": 0.6, "tip_m": [0.008, 0.004, 0.080], "axis": [0, 0, -1]},
-      {"s": 0.8, "tip_m": [0.008, 0.004, 0.050], "axis": [0, 0, -1]},
-      {"s": 60, "tip_m": [0.008, 0.004, 0.050], "axis": [0, 0, -1]}]})";
+      {"s": 0.8, "tip_m": [0.008, 0.004, 0.039], "axis": [0, 0, -1]},
+      {"s": 60, "tip_m": [0.008, 0.004, 0.039], "axis": [0, 0, -1]}]})";
 
   const TempFolder folder_;  // outlives the process
   std::unique_ptr<test::ChildProcess> process_;
