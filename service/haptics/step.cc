@@ -61,7 +61,7 @@ struct BallArm {
   Vec3 to_tip_m, rate_m_s;
 };
 
-// c = x - r u   (12.13)
+// c = x - r u   (12.12)
 BallArm BallArmOf(const Scene& scene, const Input& input) noexcept {
   const double radius_m = scene.empty() ? 0 : TipRadius_m(scene);
   const bool known = IsWithin(input.axis_base, 1.001) && IsWithin(input.axis_rate_base_1_s, kFastestTurn_1_s);

@@ -100,8 +100,7 @@ Document ExtrusionScene() {
                               {"snap", 0.002},
                               {"grabForce", 0.5},
                               {"dwell", 0.2},
-                              {"resistance", 60.0},
-                              {"rest", 1.0}}}};
+                              {"resistance", 60.0}}}};
   Document document;
   document.title = "extrusion";
   document.materials = {{"block", {0.300, 0.420, 0.560}, 0.6, 0, nullptr, nullptr},

@@ -20,6 +20,7 @@ constexpr double kDentEnough_m = 0.0005;  // ... this is one
 constexpr double kPull_m = 0.010, kPush_m = 0.0035;
 constexpr double kPullAim_m = 0.015, kPushAim_m = 0.012;
 constexpr double kLetsGo_s = 4;       // at most, until clay lets go of a pen that rests: a hand trembles
+constexpr double kAside_m = 0.025;    // and so far to the side, if it has not: then it tears
 constexpr double kSettled_s = 0.5;    // until a stroke is counted
 constexpr int kWanted[] = {3, 2, 2};  // of each kind
 
@@ -90,7 +91,9 @@ void TouchTask::Act(const Perceived& seen, double dt_s) {
       if (!seen.stroke_open || phase_s_ >= kLetsGo_s) Enter(Phase::kLift);
       break;
     case Phase::kLift:
-      if (aim_.MoveTo(safe, kTravel_m_s, dt_s)) Enter(Phase::kJudge);
+      if (aim_.MoveTo(seen.stroke_open ? safe + base::Vec3{kAside_m, 0, 0} : safe, kTravel_m_s, dt_s)) {
+        Enter(Phase::kJudge);
+      }
       break;
     case Phase::kJudge:
       Judge(seen);
