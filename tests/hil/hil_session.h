@@ -27,8 +27,8 @@ class HilSession {
     folder_.Write("hand.json", R"({"name": "press", "repeat": false, "waypoints": [
       {"s": 0, "tip_m": [0.008, 0.004, 0.085], "axis": [0, 0, -1]},
       {"s": 0.5, "tip_m": [0.008, 0.004, 0.080], "axis": [0, 0, -1]},
-      {"s": 0.8, "tip_m": [0.008, 0.004, 0.038], "axis": [0, 0, -1]},
-      {"s": 60, "tip_m": [0.008, 0.004, 0.038], "axis": [0, 0, -1]}]})");
+      {"s": 0.8, "tip_m": [0.008, 0.004, 0.0415], "axis": [0, 0, -1]},
+      {"s": 60, "tip_m": [0.008, 0.004, 0.0415], "axis": [0, 0, -1]}]})");
   }
 
   // Runs the scenario to its end with an application that is focused and alive; its summary. Null: there is none.
