@@ -61,7 +61,7 @@ struct BallArm {
   Vec3 to_tip_m, rate_m_s;
 };
 
-// c = x - r u   (12.12)
+// c = x - r u   (12.14)
 BallArm BallArmOf(const Scene& scene, const Input& input) noexcept {
   const double radius_m = scene.empty() ? 0 : TipRadius_m(scene);
   const bool known = IsWithin(input.axis_base, 1.001) && IsWithin(input.axis_rate_base_1_s, kFastestTurn_1_s);
@@ -80,6 +80,12 @@ Input AtCentre(const Input& input, const BallArm& arm) noexcept {
 bool AnyContact(const State& state) noexcept {
   if (state.far_distance_m > 0) return false;  // set only while nothing is touched
   return std::any_of(state.contacts.begin(), state.contacts.end(), [](const ContactState& c) { return c.active; });
+}
+
+// What is active only hovers over surfaces: magnets act.
+bool OnlyHovers(const State& state) noexcept {
+  return std::all_of(state.contacts.begin(), state.contacts.end(),
+                     [](const ContactState& c) { return !c.active || (c.in_flight && !c.popped); });
 }
 
 bool RegionsRest(const Scene& scene, const State& state) noexcept {
@@ -122,9 +128,11 @@ Vec3 LookAround(const ContactScene& contact_scene, double stiffness_limit_N_m, c
   double distance_m = kNowhere_m;
   Vec3 towards;
   const Material* material = nullptr;
+  double skin_m = 0;
   for (std::uint32_t i = 0; i < scene.objects().size(); ++i) {
     const Target target = contact_scene.TargetOf(i);
     if ((target.object.flags & kCollidable) == 0) continue;
+    skin_m = std::max(skin_m, contact_scene.TipAt(i).skin_m);
     if (target.boxed && !(BoxDistance(target.object, target.tip) < distance_m)) continue;
     contact_scene.VisitSurface(i, [&](const auto& view) noexcept {
       const NearestResult found = NearestInTree(view, target.root, target.tip, distance_m);
@@ -136,7 +144,7 @@ Vec3 LookAround(const ContactScene& contact_scene, double stiffness_limit_N_m, c
   }
   const double gap_m = distance_m - contact_scene.tip_radius_m();
   state.far_origin_base_m = tip;
-  state.far_distance_m = std::max(0.0, gap_m - scene.header().magnet_range_m - kMargin_m);
+  state.far_distance_m = std::max(0.0, gap_m - skin_m - scene.header().magnet_range_m - kMargin_m);
   if (material == nullptr || !(gap_m < scene.header().magnet_range_m)) return {};
   const MagnetEffect magnet{material->magnet_max_force_N, material->magnet_range_m};
   return magnet.ForceOn(gap_m, stiffness_limit_N_m) * Normalized(towards);
@@ -251,8 +259,10 @@ Touched Touch(const Scene& scene, const StiffnessBound& bound, const Input& inpu
     if (input.tracked) touched.contacts_N = Collect(forces, state.ramp, state, touched, output);
     if (input.tracked) touches = TouchesOf(contact_scene, forces, state);
     state.far_distance_m = 0;
-    if (input.tracked && !AnyContact(state)) {
+    if (input.tracked && OnlyHovers(state)) {
+      const bool hovers = AnyContact(state);
       touched.others_N = touched.others_N + LookAround(contact_scene, bound.stiffness_N_m, tip, state);
+      if (hovers) state.far_distance_m = 0;  // of a ball that is on its way
     }
   }
   touched.others_N = touched.others_N + StepRegions(contact_scene, bound, input, touches, state);

@@ -76,7 +76,7 @@ void TimeBall(const Scene& scene, double radius_m, double way_m, double press_m)
     d = Normalized(d + (way_m / kBody_m) * Normalized(Cross(d, turn)));
     tips.push_back((kBody_m * Bump(d) + radius_m - press_m * (0.6 + std::sin(0.01 * k))) * d);
   }
-  BallState state = StartBall(surface, object.root, true, radius_m, tips[0]);
+  BallState state = StartBall(surface, object.root, Inside::kBySign, radius_m, tips[0]);
   int lost = 0, unsettled = 0, touches = 0;
   const std::vector<double> us = Time_us(kTicks, lost, [&](int k) {
     const BallContact contact = FollowBall(surface, object.root, radius_m, tips[static_cast<std::size_t>(k)], state);

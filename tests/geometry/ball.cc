@@ -327,7 +327,7 @@ TEST(Ball, IsPushedByARisingFace) {
   for (const double radius_m : {3e-4, 2e-3}) {
     const Vec3 tip{0.003, -0.002, 0.01 + radius_m - 1e-4};
     std::array<RegionState, kMaxRegions> regions{};
-    BallState state = StartBall(Surface(scene, regions), scene.objects()[0].root, true, radius_m, tip);
+    BallState state = StartBall(Surface(scene, regions), scene.objects()[0].root, Inside::kBySign, radius_m, tip);
     for (int k = 0; k <= 16; ++k) {
       regions[top].offset_m = 2.5e-4 * k;
       const Surface surface(scene, regions);

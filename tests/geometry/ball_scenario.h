@@ -47,7 +47,7 @@ class BallScenario {
   }
   void Restart(const Vec3& start) {
     const bool closed = (object().flags & kClosed) != 0 && (object().flags & kDoubleSided) == 0;
-    state = StartBall(surface_, object().root, closed, radius_m_, start);
+    state = StartBall(surface_, object().root, closed ? Inside::kBySign : Inside::kNone, radius_m_, start);
     MoveTo(start);
   }
   const BallContact& MoveTo(const Vec3& tip) {

@@ -63,7 +63,7 @@ TEST(BallInSoup, RestsAtLocalMinima) {
     const Soup view(soup);
     const double radius_m = random.Uniform(2e-4, 3e-3);
     Vec3 tip = random.InBox(0.03);
-    BallState state = StartBall(view, view.tree.root, false, radius_m, tip);
+    BallState state = StartBall(view, view.tree.root, Inside::kNone, radius_m, tip);
     for (int place = 0; place < 40; ++place) {
       const Vec3 goal = random.InBox(0.02);
       const int ticks = place % 4 == 0 ? 1 : 30;
@@ -104,7 +104,7 @@ TEST(BallInSoup, IsDeterministicAndStillAtRest) {
   Random random(1202);
   const std::vector<Corners> soup = Dust(300, 0.02, 0.006, random);
   const Soup view(soup), again(soup);
-  BallState state = StartBall(view, view.tree.root, false, 1e-3, {0.03, 0, 0}), other = state;
+  BallState state = StartBall(view, view.tree.root, Inside::kNone, 1e-3, {0.03, 0, 0}), other = state;
   Vec3 tip{0.03, 0, 0};
   for (int k = 0; k < 3000; ++k) {
     tip = 0.999 * tip + random.InBox(3e-4);
@@ -137,7 +137,7 @@ TEST(BallInSoup, WorkPerTickIsBoundedOnTooFineMeshes) {
     cup.push_back({kCup_m * d + kFacet_m * u, kCup_m * d + kFacet_m * v, kCup_m * d - kFacet_m * (u + v)});
   }
   const CountingSoup view(cup);
-  BallState state = StartBall(view, view.tree.root, false, kCup_m * (1 - 1e-7), {0, 0, 0.004});
+  BallState state = StartBall(view, view.tree.root, Inside::kNone, kCup_m * (1 - 1e-7), {0, 0, 0.004});
   int most = 0, held = 0;
   Vec3 tip{0, 0, 0.004};
   for (int k = 0; k < 400; ++k) {

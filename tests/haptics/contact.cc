@@ -68,17 +68,23 @@ TEST(Contact, CornerOfTwoObjectsPushesAlongBothNormals) {
   EXPECT_NEAR(pen.output.force_base_N.z, 0.4, 1e-9);
 }
 
-TEST(Contact, OverlappingPartsOfOneObjectAreSeparateContacts) {
-  InputObject both = Block(2, {0.02, 0.02, 0.005}, {0, 0, -0.005});
-  const InputObject wall = Block(2, {0.005, 0.02, 0.02}, {0.015, 0, 0.01});
-  const auto base = static_cast<std::uint32_t>(both.vertices_base_m.size());
-  both.vertices_base_m.insert(both.vertices_base_m.end(), wall.vertices_base_m.begin(), wall.vertices_base_m.end());
-  for (const auto& t : wall.triangles) AddTriangle(both, base + t[0], base + t[1], base + t[2]);
-  Pen pen(Built(SceneOf(both, Hard())));
-  pen.Slide({0.005, 0, 0.001}, {0.005, 0, -0.001}, 50);
-  EXPECT_EQ(pen.output.contact_count, 1);
-  pen.Slide({0.005, 0, -0.001}, {0.011, 0, -0.001}, 50);
-  EXPECT_EQ(pen.output.contact_count, 2);
+// Two closed parts; and two that have edges in common, where neither is closed: one contact holds the tip off both.
+TEST(Contact, OverlappingPartsOfOneObjectActTogether) {
+  for (const bool shared : {false, true}) {
+    InputObject both = Block(2, {0.02, 0.02, 0.005}, {0, 0, -0.005});
+    const InputObject wall = Block(2, {0.005, shared ? 0.02 : 0.019, 0.02}, {0.015, 0, 0.01});
+    const auto base = static_cast<std::uint32_t>(both.vertices_base_m.size());
+    both.vertices_base_m.insert(both.vertices_base_m.end(), wall.vertices_base_m.begin(), wall.vertices_base_m.end());
+    for (const auto& t : wall.triangles) AddTriangle(both, base + t[0], base + t[1], base + t[2]);
+    Pen pen(Built(SceneOf(both, Hard())));
+    pen.Slide({0.005, 0, 0.001}, {0.005, 0, -0.001}, 50);
+    EXPECT_EQ(pen.output.contact_count, 1);
+    pen.Slide({0.005, 0, -0.001}, {0.011, 0, -0.001}, 50);
+    pen.Rest(5);
+    EXPECT_EQ(pen.output.contact_count, shared ? 1 : 2);
+    EXPECT_NEAR(pen.output.force_base_N.x, -0.4, shared ? 0.01 : 1e-9);
+    EXPECT_NEAR(pen.output.force_base_N.z, 0.4, shared ? 0.01 : 1e-9);
+  }
 }
 
 // 0.5 mm plate, pressed through by far in one go: the pen is pushed back to where it came from.

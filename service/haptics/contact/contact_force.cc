@@ -33,6 +33,7 @@ void Measure(const ContactScene& contact_scene, const Target& target, const Cont
   met.depth_m = Norm(d);
   if (met.depth_m > 1e-9) {
     met.normal = (1 / met.depth_m) * d;
+    met.depth_m = std::max(0.0, met.depth_m - contact_scene.TipAt(target.index).skin_m);
     return;
   }
   met.normal = contact_scene.VisitSurface(target.index, [&](const auto& view) noexcept {
@@ -268,7 +269,8 @@ ContactForces ForcesOf(const StiffnessBound& bound, const ContactScene& contact_
     ContactForce force = model.Of(all.met[k], all.factors[k], all.stiffness_N_m[k], all.body_N[k], contact);
     force.report.load = all.load[k];
     force.report.point_base_m = all.met[k].frame.ToBase(DeformedProxy(contact_scene, contact, state));
-    PopIfTooHard(m, contact_scene.scene().objects()[contact.object], contact_scene.tip_radius_m() > 0, force, contact);
+    PopIfTooHard(m, contact_scene.scene().objects()[contact.object], contact_scene.TipAt(contact.object).radius_m > 0,
+                 force, contact);
     if (contact.IsFelt()) forces.of[k] = force;
   }
   return forces;

@@ -102,6 +102,7 @@ void ContactScene::FindMovedFaces() noexcept {
   const auto regions = scene_.regions();
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const RegionState& face = state_.regions[r];
+    has_faces_ |= std::uint64_t{1} << regions[r].object;
     if (face.offset_m != face.last_offset_m) face_moved_ |= std::uint64_t{1} << regions[r].object;
   }
 }

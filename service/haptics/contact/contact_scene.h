@@ -35,6 +35,16 @@ class ContactScene {
 
   const Scene& scene() const noexcept { return scene_; }
   double tip_radius_m() const noexcept { return TipRadius_m(scene_); }
+  // What touches an object: a ball of this radius, 0: a point; of it, `skin_m` is passed without a force   (12.12).
+  struct TipShape {
+    double radius_m = 0, skin_m = 0;
+  };
+  TipShape TipAt(std::uint32_t object) const noexcept {
+    const double radius_m = tip_radius_m();
+    if (radius_m > 0) return {radius_m, 0};
+    const bool open = (scene_.objects()[object].flags & kClosed) == 0 && (has_faces_ >> object & 1) == 0;
+    return open ? TipShape{kSkin_m, kSkin_m} : TipShape{};
+  }
   const Surface& surface() const noexcept { return surface_; }  // rest meshes and extruded regions
 
   Target TargetOf(std::uint32_t object) const noexcept;
@@ -97,6 +107,7 @@ class ContactScene {
   std::uint32_t sculpted_count_ = 0;
   std::uint32_t live_materials_ = 0;
   std::uint64_t changed_ = 0, moved_ = 0, face_moved_ = 0;  // one bit per object
+  std::uint64_t has_faces_ = 0;                             // that can be extruded
 };
 static_assert(kMaxObjects <= 64);
 

@@ -81,7 +81,7 @@ template <TreeView View>
 bool AcquireInside(const View& view, const Target& target, const Vec3& tip, const SkipList& skip,
                    ContactState& contact) noexcept {
   NearestResult nearest;
-  if (!HasInside(target.object) || !IsInside(view, target, tip, nearest)) return false;
+  if (!IsInside(view, target, tip, nearest)) return false;
   if (Skips(skip, view.GetTriangle(nearest.triangle).component)) return false;
   contact.side = 1;
   Place(nearest, contact);
@@ -225,10 +225,10 @@ void SweepMovedRegions(const ContactScene& contact_scene, State& state) noexcept
 }  // namespace
 
 void StartContacts(const ContactScene& contact_scene, State& state) noexcept {
-  if (contact_scene.tip_radius_m() > 0) return StartBalls(contact_scene, state);
+  StartBalls(contact_scene, state);
   const auto objects = contact_scene.scene().objects();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
-    if ((objects[i].flags & kCollidable) == 0 || !HasInside(objects[i])) continue;
+    if ((objects[i].flags & kCollidable) == 0 || contact_scene.TipAt(i).radius_m > 0) continue;
     const Target target = contact_scene.TargetOf(i);
     contact_scene.VisitSurface(i, [&](const auto& view) noexcept {
       ContactState contact;
@@ -242,10 +242,10 @@ void StartContacts(const ContactScene& contact_scene, State& state) noexcept {
 }
 
 void UpdateContacts(const ContactScene& contact_scene, double dt_s, State& state) noexcept {
-  if (contact_scene.tip_radius_m() > 0) return UpdateBalls(contact_scene, dt_s, state);
+  UpdateBalls(contact_scene, dt_s, state);
   Left left;
   for (ContactState& contact : state.contacts) {
-    if (!contact.active) continue;
+    if (!contact.active || contact_scene.TipAt(contact.object).radius_m > 0) continue;
     const Target target = contact_scene.TargetOf(contact.object);
     contact_scene.VisitSurface(contact.object, [&](const auto& view) noexcept {
       Follow(view, target, contact_scene, dt_s, state, contact, left);
@@ -253,7 +253,7 @@ void UpdateContacts(const ContactScene& contact_scene, double dt_s, State& state
   }
   const auto objects = contact_scene.scene().objects();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
-    if ((objects[i].flags & kCollidable) == 0) continue;
+    if ((objects[i].flags & kCollidable) == 0 || contact_scene.TipAt(i).radius_m > 0) continue;
     const Target target = contact_scene.TargetOf(i);
     contact_scene.VisitSurface(i, [&](const auto& view) noexcept {
       if (contact_scene.ChangedUnderTip(i)) {

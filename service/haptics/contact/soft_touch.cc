@@ -31,7 +31,7 @@ SoftPress PressOf(const ContactScene& contact_scene, const Target& target, const
       target.index, [&](const auto& view) noexcept { return contact.side * FaceNormal(view, contact.triangle); });
   const Vec3 towards = contact.held_m - contact_scene.TipOver(target, contact);
   const Vec3 normal = Normalized(towards + kSteady_m * face);
-  return {normal, Dot(contact.held_m - target.tip, normal), 0};
+  return {normal, Dot(contact.held_m - target.tip, normal) - contact_scene.TipAt(target.index).skin_m, 0};
 }
 
 std::array<SoftForce, kMaxContacts> SoftForcesOf(const ContactScene& contact_scene, std::uint32_t object,

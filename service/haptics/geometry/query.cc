@@ -10,6 +10,7 @@ template NearestResult NearestFaceInTree(const Surface&, std::uint32_t, const Ve
                                          const FacesTowards&) noexcept;
 template CrossingResult CrossingInTree(const Surface&, std::uint32_t, const Vec3&, const Vec3&, bool,
                                        const Skipped&) noexcept;
+template bool IsInsideByWinding(const Surface&, std::uint32_t, const Vec3&) noexcept;
 template double SideOf(const Surface&, const NearestResult&, const Vec3&) noexcept;
 
 double BoxDistance(const Object& object, const Vec3& p) noexcept {

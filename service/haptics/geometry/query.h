@@ -51,6 +51,12 @@ template <TreeView View>
 CrossingResult CrossingInTree(const View& view, std::uint32_t root, const Vec3& start, const Vec3& end, bool both_sides,
                               const Skipped& skip = {}) noexcept;
 
+// Inside by the winding number, wherever the object is not closed or its parts go through each other: the mean over
+// directions of how often a ray from `p` leaves, less how often it enters   (1.10). Most rays decide.
+template <TreeView View>
+bool IsInsideByWinding(const View& view, std::uint32_t root, const Vec3& p) noexcept;
+extern template bool IsInsideByWinding(const Surface&, std::uint32_t, const Vec3&) noexcept;
+
 extern template NearestResult NearestInTree(const Surface&, std::uint32_t, const Vec3&, double, std::uint32_t) noexcept;
 extern template NearestResult NearestFaceInTree(const Surface&, std::uint32_t, const Vec3&, double,
                                                 const FacesTowards&) noexcept;

@@ -132,17 +132,14 @@ inline bool IsSkipped(const Skipped& skip, std::uint32_t component) noexcept {
   return false;
 }
 
-template <TreeView View>
-CrossingResult CrossingInTree(const View& view, std::uint32_t root, const Vec3& start, const Vec3& end, bool both_sides,
-                              const Skipped& skip) noexcept {
+// Calls meet(triangle, hit) for every triangle that the segment crosses.
+template <TreeView View, class Meet>
+void ForEachCrossing(const View& view, std::uint32_t root, const Vec3& start, const Vec3& end,
+                     const Meet& meet) noexcept {
   const SegmentLanes segment(start, end, view.TreeExtent());
-  CrossingResult best;
-  best.t = 2;
   const auto try_triangle = [&](std::uint32_t triangle) noexcept {
     const TriangleHit hit = IntersectTriangle(view.TriangleCorners(triangle), start, end);
-    if (!hit.hit || !(hit.t < best.t) || (!both_sides && !hit.front)) return;
-    if (IsSkipped(skip, view.GetTriangle(triangle).component)) return;
-    best = {triangle, hit.front, hit.t};
+    if (hit.hit) meet(triangle, hit);
   };
   std::array<std::uint32_t, (kTreeWidth - 1) * kMaxTreeDepth + kTreeWidth> stack;
   std::size_t size = 0;
@@ -167,7 +164,36 @@ CrossingResult CrossingInTree(const View& view, std::uint32_t root, const Vec3& 
       for (int k = 0; k < count; ++k) try_triangle(triangles[static_cast<std::size_t>(k)]);
     }
   }
+}
+
+template <TreeView View>
+CrossingResult CrossingInTree(const View& view, std::uint32_t root, const Vec3& start, const Vec3& end, bool both_sides,
+                              const Skipped& skip) noexcept {
+  CrossingResult best;
+  best.t = 2;
+  ForEachCrossing(view, root, start, end, [&](std::uint32_t triangle, const TriangleHit& hit) noexcept {
+    if (!(hit.t < best.t) || (!both_sides && !hit.front)) return;
+    if (IsSkipped(skip, view.GetTriangle(triangle).component)) return;
+    best = {triangle, hit.front, hit.t};
+  });
   return best;
+}
+
+// Directions spread evenly over the sphere (a Fibonacci lattice), of which none lies along an axis.
+template <TreeView View>
+bool IsInsideByWinding(const View& view, std::uint32_t root, const Vec3& p) noexcept {
+  constexpr int kRays = 32, kNeeded = 22;  // 0.7: in a bowl it is less
+  constexpr double kGoldenAngle = 2.399963229728653;
+  const double length_m = 4 * (view.TreeExtent() + LargestComponent(p));
+  int inside = 0;
+  for (int k = 0; k < kRays && inside < kNeeded && inside + kRays - k >= kNeeded; ++k) {
+    const double z = 1 - (2.0 * k + 1) / kRays, r = std::sqrt(1 - z * z), turn = kGoldenAngle * k + 0.1;
+    int leaves = 0;
+    ForEachCrossing(view, root, p, p + length_m * Vec3{r * std::cos(turn), r * std::sin(turn), z},
+                    [&](std::uint32_t, const TriangleHit& hit) noexcept { leaves += hit.front ? -1 : 1; });
+    inside += leaves > 0;
+  }
+  return inside >= kNeeded;
 }
 
 template <MeshView View>

@@ -45,8 +45,16 @@ struct Object {
   std::uint32_t first_uv[kMaxUvSets];      // into uvs(), one per triangle from first_triangle on; kNoIndex: none
   char name[48];
 };
-// kKinematic: the application moves it; the scene holds it where it is at first.
-enum ObjectFlag : std::uint32_t { kDoubleSided = 1, kCollidable = 2, kCarWall = 4, kClosed = 8, kKinematic = 16 };
+// kKinematic: the application moves it; the scene holds it where it is at first. kCracked: not closed, but by its
+// winding number the walls of a solid.
+enum ObjectFlag : std::uint32_t {
+  kDoubleSided = 1,
+  kCollidable = 2,
+  kCarWall = 4,
+  kClosed = 8,
+  kKinematic = 16,
+  kCracked = 32
+};
 
 struct Texture {
   double to_image[6];  // as InputTexture's

@@ -11,6 +11,7 @@ template NearestResult NearestFaceInTree(const SculptSurface&, std::uint32_t, co
                                          const FacesTowards&) noexcept;
 template CrossingResult CrossingInTree(const SculptSurface&, std::uint32_t, const Vec3&, const Vec3&, bool,
                                        const Skipped&) noexcept;
+template bool IsInsideByWinding(const SculptSurface&, std::uint32_t, const Vec3&) noexcept;
 template double SideOf(const SculptSurface&, const NearestResult&, const Vec3&) noexcept;
 
 }  // namespace omni::haptics

@@ -15,6 +15,7 @@ extern template NearestResult NearestFaceInTree(const sculpt::SculptSurface&, st
                                                 const FacesTowards&) noexcept;
 extern template CrossingResult CrossingInTree(const sculpt::SculptSurface&, std::uint32_t, const Vec3&, const Vec3&,
                                               bool, const Skipped&) noexcept;
+extern template bool IsInsideByWinding(const sculpt::SculptSurface&, std::uint32_t, const Vec3&) noexcept;
 extern template double SideOf(const sculpt::SculptSurface&, const NearestResult&, const Vec3&) noexcept;
 
 }  // namespace omni::haptics

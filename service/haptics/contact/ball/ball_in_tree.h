@@ -302,24 +302,44 @@ class BallDescent {
 
 inline constexpr double kFarthestBall_m = 1e6;
 
+// Out of bodies that go through each other: to in front of the nearest face that `p` is behind, and so on from there,
+// until it is free.
+template <TreeView View, class IsFree>
+bool StepOut(const View& view, std::uint32_t root, double radius_m, Vec3 p, const IsFree& is_free,
+             Vec3& centre) noexcept {
+  constexpr int kMostSteps = 16;
+  for (int k = 0; k < kMostSteps; ++k) {
+    const NearestResult face = NearestFaceInTree(view, root, p, kFarthestBall_m, {});
+    if (face.triangle == kNoIndex) return false;
+    p = face.closest.point + 1.01 * radius_m * FaceNormal(view, face.triangle);
+    centre = p;
+    if (is_free(NearestInTree(view, root, p), p)) return true;
+  }
+  return false;
+}
+
 template <TreeView View>
-BallState StartBall(const View& view, std::uint32_t root, bool closed, double radius_m,
+BallState StartBall(const View& view, std::uint32_t root, Inside inside, double radius_m,
                     const Vec3& device_point_m) noexcept {
   constexpr int kTries = 48;  // twice as far each time: 1e-6 m to out of any scene
   if (!IsWithin(device_point_m, kFarthestBall_m)) return {};
   const NearestResult nearest = NearestInTree(view, root, device_point_m);
   const auto is_free = [&](const NearestResult& at, const Vec3& centre) noexcept {
     const double kept_m = radius_m * (1 - kBallMargin);
-    return at.closest.distance_squared >= kept_m * kept_m && !(closed && SideOf(view, at, centre) < 0);
+    return at.closest.distance_squared >= kept_m * kept_m && !IsInsideBy(inside, view, root, at, centre);
   };
   if (is_free(nearest, device_point_m)) return {device_point_m, device_point_m};
+  Vec3 centre;
+  if (inside == Inside::kByWinding && IsInsideBy(inside, view, root, nearest, device_point_m) &&
+      StepOut(view, root, radius_m, device_point_m, is_free, centre)) {
+    return {centre, device_point_m};
+  }
   const ClosestPoint& foot = nearest.closest;
   Vec3 out = Normalized(device_point_m - foot.point);
   if (!(foot.distance_squared > 1e-18))
     out = Pseudonormal(view, nearest.triangle, foot.feature, foot.index);
-  else if (closed && SideOf(view, nearest, device_point_m) < 0)
+  else if (IsInsideBy(inside, view, root, nearest, device_point_m))
     out = -out;
-  Vec3 centre;
   double distance_m = radius_m;
   for (int k = 0; k < kTries; ++k, distance_m *= 2) {
     centre = foot.point + distance_m * out;

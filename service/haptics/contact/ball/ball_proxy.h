@@ -19,6 +19,10 @@ inline constexpr double kMaxBallRadius_m = 0.01;
 // kBallMargin).
 inline constexpr double kBallMargin = 1e-4;
 
+// A point tip touches an object that is not closed as a ball of this radius whose skin lies in the surface: it has no
+// need of sides or neighbours, and stays out of cracks   (12.12).
+inline constexpr double kSkin_m = 6.5e-5;
+
 inline constexpr int kMaxBallSteps = 32;      // straight moves in a tick; the ball goes on in the next
 inline constexpr int kMaxBallQueries = 2048;  // triangles checked in a tick, after which no further move is begun
 inline constexpr int kMaxBallNear = 512;      // triangles known in a move; more near by: the move gets shorter
@@ -48,11 +52,21 @@ struct BallContact {
   bool settled = true;  // false: the ball is still under way, its place is free but not the nearest
 };
 
-// Places the ball: at the device point if that is free, else outside near the nearest surface, from where the first
-// tick lets it fall. `closed`: the object has an inside, which is not free. Any device point with components within 1e6
-// m.
+// Of what the object has an inside, which is not free for a ball that starts: nothing, all behind the nearest point of
+// its one closed surface   (1.3), all its winding number says is inside   (1.10).
+enum class Inside : std::uint8_t { kNone, kBySign, kByWinding };
+
 template <TreeView View>
-BallState StartBall(const View& view, std::uint32_t root, bool closed, double radius_m,
+bool IsInsideBy(Inside inside, const View& view, std::uint32_t root, const NearestResult& nearest,
+                const Vec3& p) noexcept {
+  if (inside == Inside::kNone) return false;
+  return inside == Inside::kBySign ? SideOf(view, nearest, p) < 0 : IsInsideByWinding(view, root, p);
+}
+
+// Places the ball: at the device point if that is free, else outside near the nearest surface, from where the first
+// tick lets it fall. Any device point with components within 1e6 m.
+template <TreeView View>
+BallState StartBall(const View& view, std::uint32_t root, Inside inside, double radius_m,
                     const Vec3& device_point_m) noexcept;
 
 // One tick: the ball rolls and slides from state.centre_m to the local minimum of its distance to the device point. It
@@ -67,9 +81,9 @@ template <TreeView View>
 BallContact FollowBall(const View& view, std::uint32_t root, double radius_m, const Vec3& device_point_m,
                        BallState& state) noexcept;
 
-extern template BallState StartBall(const Surface&, std::uint32_t, bool, double, const Vec3&) noexcept;
+extern template BallState StartBall(const Surface&, std::uint32_t, Inside, double, const Vec3&) noexcept;
 extern template BallContact FollowBall(const Surface&, std::uint32_t, double, const Vec3&, BallState&) noexcept;
-extern template BallState StartBall(const sculpt::SculptSurface&, std::uint32_t, bool, double, const Vec3&) noexcept;
+extern template BallState StartBall(const sculpt::SculptSurface&, std::uint32_t, Inside, double, const Vec3&) noexcept;
 extern template BallContact FollowBall(const sculpt::SculptSurface&, std::uint32_t, double, const Vec3&,
                                        BallState&) noexcept;
 

@@ -8,6 +8,8 @@
 namespace omni::haptics {
 namespace {
 
+using TipShape = ContactScene::TipShape;
+
 ContactState* ContactOn(std::uint32_t object, State& state) noexcept {
   for (ContactState& contact : state.contacts) {
     if (contact.active && contact.object == object) return &contact;
@@ -15,8 +17,19 @@ ContactState* ContactOn(std::uint32_t object, State& state) noexcept {
   return nullptr;
 }
 
-// The place that carries most stands for the contact; the ball's centre holds the tip.
-void Hold(const BallContact& touched, const BallState& ball, const Vec3& tip, ContactState& contact) noexcept {
+ContactState NewContact(std::uint32_t object) noexcept {
+  ContactState contact;
+  contact.active = true;
+  contact.object = object;
+  return contact;
+}
+
+// The place that carries most stands for the contact; the ball's centre holds the tip. Within the skin the tip is over
+// the surface: nothing is felt, and what was felt before is forgotten.
+void Hold(const BallContact& touched, const BallState& ball, const Vec3& tip, double skin_m,
+          ContactState& contact) noexcept {
+  const double height_m = skin_m - Norm(ball.centre_m - tip);
+  if (skin_m > 0 && height_m >= 0) contact = NewContact(contact.object);
   std::size_t main = 0;
   for (std::size_t k = 1; k < static_cast<std::size_t>(touched.touch_count); ++k) {
     if (touched.touches[k].share > touched.touches[main].share) main = k;
@@ -24,17 +37,10 @@ void Hold(const BallContact& touched, const BallState& ball, const Vec3& tip, Co
   contact.triangle = touched.touches[main].triangle;
   contact.proxy_m = touched.touches[main].at.point;
   contact.held_m = ball.centre_m;
-  contact.depth_m = Norm(ball.centre_m - tip);
+  contact.depth_m = std::max(0.0, -height_m);
   contact.one_place = touched.touch_count == 1;
-  contact.in_flight = !touched.felt;
+  contact.in_flight = !touched.felt || (skin_m > 0 && height_m >= 0);
   contact.side = 1;
-}
-
-ContactState NewContact(std::uint32_t object) noexcept {
-  ContactState contact;
-  contact.active = true;
-  contact.object = object;
-  return contact;
 }
 
 std::uint64_t TouchedObjects(const State& state) noexcept {
@@ -62,67 +68,75 @@ bool IsNear(const View& view, const Target& target, double distance_m) noexcept 
 template <TreeView View>
 bool IsStillIn(const View& view, const Target& target, double radius_m) noexcept {
   NearestResult nearest;
-  return IsNear(view, target, radius_m) || (HasInside(target.object) && IsInside(view, target, target.tip, nearest));
+  return IsNear(view, target, radius_m) || IsInside(view, target, target.tip, nearest);
 }
 
 // Rolls the ball from `centre` after the tip; `tip` is the tip over the surface as a soft body carries it. False: it is
 // at the tip, where it touches nothing.
 template <TreeView View>
-bool RollBall(const View& view, const Target& target, double radius_m, const Vec3& centre, Vec3 tip,
+bool RollBall(const View& view, const Target& target, const TipShape& shape, const Vec3& centre, Vec3 tip,
               ContactState& contact) noexcept {
   BallState ball{centre, target.from};
-  BallContact touched = FollowBall(view, target.root, radius_m, tip, ball);
-  if (!touched.felt && tip != target.tip) {  // lifted out by the body's displacement of a tick ago
+  BallContact touched = FollowBall(view, target.root, shape.radius_m, tip, ball);
+  const bool lifted = !touched.felt || Norm(ball.centre_m - tip) <= shape.skin_m;
+  if (lifted && tip != target.tip) {  // out, by the body's displacement of a tick ago
     tip = target.tip;
-    touched = FollowBall(view, target.root, radius_m, tip, ball);
+    touched = FollowBall(view, target.root, shape.radius_m, tip, ball);
   }
-  if (touched.touch_count > 0) Hold(touched, ball, tip, contact);
+  if (touched.touch_count > 0) Hold(touched, ball, tip, shape.skin_m, contact);
   return touched.touch_count > 0;
 }
 
 // The same from a free place near `place`, which may be inside.
 template <TreeView View>
-bool RestartBall(const View& view, const Target& target, double radius_m, const Vec3& place,
+bool RestartBall(const View& view, const Target& target, const TipShape& shape, const Vec3& place,
                  ContactState& contact) noexcept {
-  const BallState ball = StartBall(view, target.root, HasInside(target.object), radius_m, place);
-  return RollBall(view, target, radius_m, ball.centre_m, target.tip, contact);
+  const BallState ball = StartBall(view, target.root, InsideOf(target.object), shape.radius_m, place);
+  return RollBall(view, target, shape, ball.centre_m, target.tip, contact);
 }
 
 // To a nearer face around a convex edge   (2.3), if the ball has room in front of it.
 template <TreeView View>
-void LeaveCrease(const View& view, const Target& target, double radius_m, const Vec3& tip,
+void LeaveCrease(const View& view, const Target& target, const TipShape& shape, const Vec3& tip,
                  ContactState& contact) noexcept {
+  const double radius_m = shape.radius_m;
   const NearestResult face = NearerFace(view, target, tip, contact.triangle, contact.proxy_m);
   if (face.triangle == kNoIndex) return;
   const Vec3 centre = face.closest.point + radius_m * FaceNormal(view, face.triangle);
   if (NearestInTree(view, target.root, centre, radius_m * (1 - kBallMargin)).triangle != kNoIndex) return;
+  const bool cracked = (target.object.flags & kCracked) != 0;
+  if (cracked && IsInsideByWinding(view, target.root, centre)) return;  // that wall lies in another part
   contact.anchor_triangle = kNoIndex;
   StartSwap(contact);
-  RollBall(view, target, radius_m, centre, tip, contact);
+  RollBall(view, target, shape, centre, tip, contact);
 }
 
 // A surface that moved may have passed the ball: then the ball restarts outside, and its force fades in.
 template <TreeView View>
 bool FollowTip(const View& view, const Target& target, const ContactScene& contact_scene, const ContactState* known,
                bool restarts, double dt_s, ContactState& contact) noexcept {
-  const double radius_m = contact_scene.tip_radius_m();
+  const TipShape shape = contact_scene.TipAt(target.index);
   const Vec3 last = known != nullptr ? known->held_m : restarts ? target.tip : target.from;
   bool starts = restarts && known == nullptr;
   if (!starts && (restarts || contact_scene.FaceMoved(target.index))) {
     NearestResult nearest;
-    starts = HasInside(target.object) && IsInside(view, target, last, nearest);
+    starts = IsInside(view, target, last, nearest);
   }
   if (starts) {
     StartSwap(contact);
-    return RestartBall(view, target, radius_m, last, contact);
+    return RestartBall(view, target, shape, last, contact);
   }
   const Vec3 tip = known != nullptr ? contact_scene.TipOver(target, *known) : target.tip;
-  if (!RollBall(view, target, radius_m, last, tip, contact)) return false;
+  if (!RollBall(view, target, shape, last, tip, contact)) return false;
   if (CameThrough(view, target, target.tip, dt_s, contact)) {
     contact = NewContact(target.index);
-    return RestartBall(view, target, radius_m, target.tip, contact);
+    return RestartBall(view, target, shape, target.tip, contact);
   }
-  if (contact.IsFelt()) LeaveCrease(view, target, radius_m, tip, contact);
+  if (shape.skin_m > 0 && contact.IsFelt() && IsBeside(view, target, tip, contact)) {
+    StartSwap(contact);
+    return RestartBall(view, target, shape, target.tip, contact);
+  }
+  if (contact.IsFelt()) LeaveCrease(view, target, shape, tip, contact);
   return true;
 }
 
@@ -133,7 +147,7 @@ void UpdateBall(const View& view, const Target& target, const ContactScene& cont
   const bool restarts = contact_scene.ChangedUnderTip(target.index) || (state.ball_restarts & bit) != 0;
   state.ball_restarts &= ~bit;
   ContactState* known = ContactOn(target.index, state);
-  const double radius_m = contact_scene.tip_radius_m();
+  const double radius_m = contact_scene.TipAt(target.index).radius_m;
   if (known == nullptr && target.boxed &&
       BoxDistance(target.object, target.tip) > radius_m + Norm(target.tip - target.from)) {
     return;
@@ -155,15 +169,15 @@ void UpdateBall(const View& view, const Target& target, const ContactScene& cont
 
 void StartBalls(const ContactScene& contact_scene, State& state) noexcept {
   state.ball_restarts = 0;
-  const double radius_m = contact_scene.tip_radius_m();
   const auto objects = contact_scene.scene().objects();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
-    if ((objects[i].flags & kCollidable) == 0) continue;
+    const TipShape shape = contact_scene.TipAt(i);
+    if ((objects[i].flags & kCollidable) == 0 || shape.radius_m == 0) continue;
     const Target target = contact_scene.TargetOf(i);
-    if (target.boxed && BoxDistance(target.object, target.tip) > radius_m) continue;
+    if (target.boxed && BoxDistance(target.object, target.tip) > shape.radius_m) continue;
     contact_scene.VisitSurface(i, [&](const auto& view) noexcept {
       ContactState contact = NewContact(i);
-      if (!RestartBall(view, target, radius_m, target.tip, contact)) return;
+      if (!RestartBall(view, target, shape, target.tip, contact)) return;
       contact.popped = state.appears;
       KeepBall(contact, state);
     });
@@ -173,16 +187,16 @@ void StartBalls(const ContactScene& contact_scene, State& state) noexcept {
 void UpdateBalls(const ContactScene& contact_scene, double dt_s, State& state) noexcept {
   const auto objects = contact_scene.scene().objects();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
-    if ((objects[i].flags & kCollidable) == 0) continue;
+    if ((objects[i].flags & kCollidable) == 0 || contact_scene.TipAt(i).radius_m == 0) continue;
     const Target target = contact_scene.TargetOf(i);
     contact_scene.VisitSurface(
         i, [&](const auto& view) noexcept { UpdateBall(view, target, contact_scene, dt_s, state); });
   }
 }
 
-template BallState StartBall(const Surface&, std::uint32_t, bool, double, const Vec3&) noexcept;
+template BallState StartBall(const Surface&, std::uint32_t, Inside, double, const Vec3&) noexcept;
 template BallContact FollowBall(const Surface&, std::uint32_t, double, const Vec3&, BallState&) noexcept;
-template BallState StartBall(const sculpt::SculptSurface&, std::uint32_t, bool, double, const Vec3&) noexcept;
+template BallState StartBall(const sculpt::SculptSurface&, std::uint32_t, Inside, double, const Vec3&) noexcept;
 template BallContact FollowBall(const sculpt::SculptSurface&, std::uint32_t, double, const Vec3&, BallState&) noexcept;
 
 }  // namespace omni::haptics
