@@ -181,14 +181,14 @@ const Defect kDefects[] = {
                    static_cast<std::uint32_t>(fin.vertices_base_m.size()) - 1);
        return fin;
      },
-     "three or more triangles", nullptr, kDoubleSided | kCollidable, false},
+     "three or more triangles", nullptr, kDoubleSided | kCollidable | kCracked, true},
     {"two boxes sharing an edge",
      [] {
        InputObject two = Block(2, {0.01, 0.01, 0.01});
        Append(two, Block(2, {0.01, 0.01, 0.01}), {0.02, 0.02, 0});
        return two;
      },
-     "three or more triangles", nullptr, kDoubleSided | kCollidable, false},
+     "three or more triangles", nullptr, kDoubleSided | kCollidable | kCracked, true},
     {"one triangle",
      [] {
        InputObject one;

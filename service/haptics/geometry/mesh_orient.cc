@@ -1,6 +1,8 @@
 #include "service/haptics/geometry/mesh_steps.h"
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "service/haptics/geometry/winding_number.h"
@@ -14,7 +16,10 @@ constexpr std::size_t kMaxSamples = 1024;                // ... of all together;
 constexpr std::size_t kMaxWindingTriangles = 2'000'000;  // larger meshes of many parts: by the sign of volumes alone
 constexpr std::size_t kFewTriangles = 4;                 // an open part of fewer encloses nothing: it is not asked
 constexpr int kMaxRounds = 8;
-constexpr double kSure = 0.02;  // a sheet's winding number on itself is 0, within the tree's error
+constexpr std::size_t kOpenSamples = 128;    // of all open parts together
+constexpr std::int64_t kOpenWork = 100'000;  // for them, as kWork
+constexpr double kInsideOut = -0.25;         // half of what an inside-out solid has
+constexpr double kSure = 0.02;               // a sheet's winding number on itself is 0, within the tree's error
 
 // What may be spent, in nodes and triangles visited: about as much as the rest of the build takes.
 constexpr std::uint64_t kWork = 200'000, kWorkPerTriangle = 32;
@@ -98,7 +103,7 @@ class Turner {
 
   void ByWinding(const std::vector<std::uint32_t>& doubtful) {
     PickSamples(doubtful);
-    WindingTree tree(mesh_, watch_);
+    WindingTree& tree = Tree();
     std::vector<std::uint32_t> asked = doubtful, unasked;
     for (int round = 0; round < kMaxRounds; ++round) {
       std::vector<std::uint32_t> wrong;
@@ -117,12 +122,36 @@ class Turner {
       FlipOutermost(wrong);
       std::erase_if(asked, [&](std::uint32_t p) { return parts_[p].closed && parts_[p].volume_m3 >= 0; });
       left_ -= static_cast<std::int64_t>(mesh_.triangles.size());
-      tree.Refit();
+      Tree();
     }
     report_.by_volume = static_cast<std::uint32_t>(unasked.size());
     ByVolume(unasked);
     for (const std::uint32_t p : doubtful)
       report_.cavities += parts_[p].closed && parts_[p].volume_m3 < 0 && winding_[p] > kSure;
+  }
+
+  // Mean winding number on the open parts, which says whether they are walls of a solid. Of loose triangles, which are
+  // not asked one by one, it also says whether they are inside-out.
+  void AskOpen() {
+    double area_m2 = 0;
+    for (const Part& part : parts_) area_m2 += part.closed ? 0 : part.area_m2;
+    std::vector<std::uint32_t> samples;
+    double passed_m2 = 0;
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      watch_.Did();
+      if (parts_[mesh_.component[t]].closed) continue;
+      passed_m2 += TriangleArea(mesh_, t);
+      const double next = (static_cast<double>(samples.size()) + 0.5) / kOpenSamples * area_m2;
+      if (samples.size() < kOpenSamples && passed_m2 >= next) samples.push_back(t);
+    }
+    std::int64_t left = kOpenWork;
+    report_.solidity = MeanWinding(Tree(), samples, left);
+    if (report_.solidity > kInsideOut) return;
+    for (std::uint32_t p = 0; p < parts_.size(); ++p) {
+      if (!parts_[p].closed && parts_[p].triangles < kFewTriangles) Mark(p);
+    }
+    Flip();
+    report_.solidity = MeanWinding(Tree(), samples, left);
   }
 
   void ByVolume(const std::vector<std::uint32_t>& doubtful) {
@@ -153,15 +182,37 @@ class Turner {
   // Mean winding number on the part itself. Its front lies 1/2 lower, its back 1/2 higher: a wall of a solid has
   // n + 1/2 with n >= 0 solids in front of it, an inside-out one less than 0   (R.6)
   double WindingOn(const WindingTree& tree, const Part& part) {
+    std::int64_t enough = std::numeric_limits<std::int64_t>::max();
+    const std::int64_t before = enough;
+    const double mean = MeanWinding(tree, part.samples, enough);
+    left_ -= before - enough;
+    return mean;
+  }
+
+  // Of as many samples as can be asked for the work in `left`.
+  double MeanWinding(const WindingTree& tree, const std::vector<std::uint32_t>& samples, std::int64_t& left) {
     double sum = 0;
-    for (const std::uint32_t t : part.samples) {
+    std::size_t asked = 0;
+    for (; asked < samples.size() && left > 0; ++asked) {
+      const std::uint32_t t = samples[asked];
       std::uint64_t visited = 0;
       const auto& [a, b, c] = mesh_.triangles[t];
       sum += tree.At((1.0 / 3) * (mesh_.vertices[a] + mesh_.vertices[b] + mesh_.vertices[c]), t, visited);
       watch_.Did(1 + visited / 16);  // tens of nanoseconds each
-      left_ -= static_cast<std::int64_t>(visited);
+      left -= static_cast<std::int64_t>(visited);
     }
-    return part.samples.empty() ? 0 : sum / static_cast<double>(part.samples.size());
+    return asked == 0 ? 0 : sum / static_cast<double>(asked);
+  }
+
+  // As the triangles are turned now.
+  WindingTree& Tree() {
+    if (!tree_) {
+      tree_.emplace(mesh_, watch_);
+    } else if (turned_) {
+      tree_->Refit();
+    }
+    turned_ = false;
+    return *tree_;
   }
 
   // Of the parts that are wrong, those that lie in no other wrong one are flipped; what they contain is asked again,
@@ -193,6 +244,7 @@ class Turner {
       if (flip_[mesh_.component[t]]) haptics::Flip(mesh_, t);
     }
     flip_.assign(flip_.size(), false);
+    turned_ = true;
   }
 
   Mesh& mesh_;
@@ -201,7 +253,9 @@ class Turner {
   const base::WorkWatch& watch_;
   std::vector<bool> flip_;
   std::vector<double> winding_;
-  std::int64_t left_;  // work
+  std::optional<WindingTree> tree_;
+  bool turned_ = false;  // since the tree was made
+  std::int64_t left_;    // work
 };
 
 }  // namespace
@@ -210,9 +264,12 @@ OrientReport OrientOutwards(Mesh& mesh, std::uint32_t components, const base::Wo
   OrientReport report;
   std::vector<Part> parts = PartsOf(mesh, components, watch);
   const std::vector<std::uint32_t> doubtful = Doubtful(parts, watch);
-  if (doubtful.empty()) return report;
+  const bool open = std::any_of(parts.begin(), parts.end(), [](const Part& part) { return !part.closed; });
+  if (doubtful.empty() && !open) return report;
   Turner turner(mesh, parts, report, watch);
-  if (components == 1 && parts[0].closed) {  // the sign of its volume says all
+  if (doubtful.empty()) {
+    // Only loose triangles.
+  } else if (components == 1 && parts[0].closed) {  // the sign of its volume says all
     turner.ByVolume(doubtful);
   } else if (mesh.triangles.size() > kMaxWindingTriangles) {
     report.by_volume = static_cast<std::uint32_t>(doubtful.size());
@@ -220,6 +277,7 @@ OrientReport OrientOutwards(Mesh& mesh, std::uint32_t components, const base::Wo
   } else {
     turner.ByWinding(doubtful);
   }
+  if (open && mesh.triangles.size() <= kMaxWindingTriangles) turner.AskOpen();
   return report;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "service/haptics/geometry/mesh_steps.h"
 #include "service/haptics/scene/scene.h"
 
 namespace omni::haptics {
@@ -162,7 +163,94 @@ void DropUnusedVertices(Mesh& mesh, const base::WorkWatch& watch) {
   mesh.vertices = std::move(used);
 }
 
+// A quarter of the shortest edge at each vertex of the border: what is welded within it folds no triangle.
+std::vector<double> RoomAtBorder(const Mesh& mesh, const EdgeList& edges, const base::WorkWatch& watch) {
+  std::vector<double> room_m(mesh.vertices.size(), 1e30);
+  for (const HalfEdge& border : edges.borders) {
+    watch.Did();
+    const auto& t = mesh.triangles[border.triangle];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double quarter_m = 0.25 * Norm(mesh.vertices[t[k]] - mesh.vertices[t[(k + 1) % 3]]);
+      for (const std::uint32_t v : {t[k], t[(k + 1) % 3]}) room_m[v] = std::min(room_m[v], quarter_m);
+    }
+  }
+  return room_m;
+}
+
+// What becomes of each vertex of the border: of those within the tolerance, the first. kNoIndex: no such vertex.
+std::vector<std::uint32_t> BorderMap(const Mesh& mesh, const EdgeList& edges, double tolerance_m,
+                                     const base::WorkWatch& watch) {
+  const std::vector<double> room_m = RoomAtBorder(mesh, edges, watch);
+  Welder welder(tolerance_m, edges.borders.size(), watch);
+  std::vector<std::uint32_t> kept, map(mesh.vertices.size(), kNoIndex);
+  for (const HalfEdge& border : edges.borders) {
+    watch.Did();
+    for (const std::uint32_t v :
+         {static_cast<std::uint32_t>(border.key >> 32), static_cast<std::uint32_t>(border.key)}) {
+      if (map[v] != kNoIndex) continue;
+      map[v] = v;
+      if (!(room_m[v] >= tolerance_m)) continue;
+      const std::uint32_t place = welder.Add(mesh.vertices[v]);
+      if (place == kept.size()) kept.push_back(v);
+      map[v] = kept[place];
+    }
+  }
+  return map;
+}
+
+std::uint32_t Welded(const std::vector<std::uint32_t>& map) {
+  std::uint32_t welded = 0;
+  for (std::uint32_t v = 0; v < map.size(); ++v) welded += map[v] != kNoIndex && map[v] != v;
+  return welded;
+}
+
+void DropDuplicates(Mesh& mesh, const base::WorkWatch& watch) {
+  Mesh kept;
+  DuplicateFinder duplicates(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    watch.Did();
+    if (HasNoArea(mesh, mesh.triangles[t]) || duplicates.Seen(kept, mesh.triangles[t])) continue;
+    kept.triangles.push_back(mesh.triangles[t]);
+    kept.material.push_back(mesh.material[t]);
+    for (std::size_t set = 0; set < kMaxUvSets; ++set) {
+      if (!mesh.uv[set].empty()) kept.uv[set].push_back(mesh.uv[set][t]);
+    }
+  }
+  kept.vertices = std::move(mesh.vertices);
+  mesh = std::move(kept);
+}
+
 }  // namespace
+
+StitchReport StitchCracks(Mesh& mesh, EdgeList& edges, const base::WorkWatch& watch) {
+  StitchReport report;
+  if (edges.borders.empty()) return report;
+  const std::size_t borders = edges.borders.size();
+  Mesh before;
+  for (const double tolerance_m : kStitch_m) {
+    if (edges.borders.empty()) break;
+    const std::vector<std::uint32_t> map = BorderMap(mesh, edges, tolerance_m, watch);
+    const std::uint32_t welded = Welded(map);
+    if (welded == 0) continue;
+    if (report.welded == 0) before = mesh;
+    for (auto& t : mesh.triangles) {
+      for (std::uint32_t& v : t) v = map[v] == kNoIndex ? v : map[v];
+    }
+    report.welded += welded;
+    report.within_m = tolerance_m;
+    DropDuplicates(mesh, watch);
+    DropUnusedVertices(mesh, watch);
+    edges = {};
+    edges = ConnectEdges(mesh, watch);
+  }
+  if (report.welded == 0 || static_cast<double>(edges.borders.size()) <= kStitched * static_cast<double>(borders)) {
+    return report;
+  }
+  mesh = std::move(before);
+  edges = {};
+  edges = ConnectEdges(mesh, watch);
+  return {};
+}
 
 Mesh RepairMesh(const InputObject& input, RepairCounts& counts, const base::WorkWatch& watch) {
   Mesh mesh;

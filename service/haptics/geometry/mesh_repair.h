@@ -37,11 +37,14 @@ struct TopologyReport {
   std::uint32_t cut_edges = 0;           // no consistent orientation exists across them (Moebius strip)
   std::uint32_t snapped = 0;             // edges split at a vertex that lay on them (T-junctions)
   std::uint32_t unsnapped = 0;           // edges on which vertices were not searched, or not split at: too many
-  std::uint32_t closed_holes = 0;        // small ones, of components that are closed by it
+  std::uint32_t stitched = 0;            // vertices of borders, welded over cracks ...
+  double stitched_within_m = 0;          // ... with this tolerance
+  std::uint32_t closed_holes = 0;        // small ones
   std::uint32_t flipped_triangles = 0;   // to agree with the rest of their component
   std::uint32_t flipped_components = 0;  // inside-out as a whole
   std::uint32_t cavities = 0;            // closed, inwards, inside another component: left so
   std::uint32_t by_volume = 0;           // components turned by their own volumes: to ask more would take too long
+  double solidity = 0;  // mean winding number on parts that are open: 1/2 on walls of solids, 0 on sheets
   bool IsClosed() const { return border_edges == 0 && non_manifold_edges == 0 && cut_edges == 0; }
 };
 

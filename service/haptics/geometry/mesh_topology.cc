@@ -110,9 +110,12 @@ TopologyReport ConnectAndOrient(Mesh& mesh, const base::WorkWatch& watch) {
   if (mesh.triangles.empty()) return report;
   EdgeList edges = ConnectEdges(mesh, watch);
   const std::size_t most = MostTriangles(mesh.triangles.size());
+  const StitchReport stitched = StitchCracks(mesh, edges, watch);
   const SnapReport snapped = SnapTJunctions(mesh, edges, most, watch);
   report.snapped = snapped.split;
   report.unsnapped = snapped.unsearched;
+  report.stitched = stitched.welded;
+  report.stitched_within_m = stitched.within_m;
   OrientComponents(mesh, report, watch);
   report.closed_holes = CloseSmallHoles(mesh, edges, report.components, most, watch);
   if (report.closed_holes > 0) {
@@ -130,6 +133,7 @@ TopologyReport ConnectAndOrient(Mesh& mesh, const base::WorkWatch& watch) {
   report.flipped_components = oriented.flipped;
   report.cavities = oriented.cavities;
   report.by_volume = oriented.by_volume;
+  report.solidity = oriented.solidity;
   return report;
 }
 

@@ -1,6 +1,7 @@
 // SceneInput -> Scene: check, repair, connect, index, lay out.
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <string_view>
 
 #include "service/base/free_memory.h"
@@ -43,15 +44,35 @@ void Say(BuildReport& report, const std::string& object, std::uint64_t count, co
   if (count > 0) report.lines.push_back(object + ": " + std::to_string(count) + " " + what);
 }
 
-void Explain(const std::string& name, const Mesh& mesh, const RepairCounts& repair, const TopologyReport& topology,
-             BuildReport& report) {
+bool IsCracked(const TopologyReport& topology) {
+  constexpr double kSolid = 0.38;  // over that of bowls
+  return !topology.IsClosed() && topology.solidity > kSolid;
+}
+
+// What a person will feel.
+const char* Feels(const TopologyReport& topology, bool double_sided) {
+  if (topology.IsClosed()) return double_sided ? "felt from both sides, as it is tagged" : "felt as a closed solid";
+  if (IsCracked(topology)) {
+    return "felt as a solid with cracks or openings: the tip steps over those of up to 0.05 mm, and may go into wider "
+           "ones";
+  }
+  return "felt from both sides, as a sheet; the tip steps over cracks of up to 0.05 mm";
+}
+
+void Explain(const std::string& name, bool double_sided, const Mesh& mesh, const RepairCounts& repair,
+             const TopologyReport& topology, BuildReport& report) {
   report.lines.push_back(
       name + ": " + std::to_string(mesh.triangles.size()) + " triangles, " + std::to_string(topology.components) +
       (topology.components == 1 ? " component, " : " components, ") + (topology.IsClosed() ? "closed" : "not closed"));
   report.welded_vertices += repair.welded_vertices;
   report.dropped_triangles += repair.not_finite + repair.degenerate + repair.duplicate;
   report.flipped_objects += topology.flipped_components + topology.flipped_triangles > 0;
+  report.lines.push_back(name + ": " + Feels(topology, double_sided));
   Say(report, name, repair.welded_vertices, "vertices welded");
+  char stitched[64];
+  std::snprintf(stitched, sizeof stitched, "vertices welded over cracks, within %g um",
+                1e6 * topology.stitched_within_m);
+  Say(report, name, topology.stitched, stitched);
   Say(report, name, repair.not_finite, "triangles dropped: coordinates not finite");
   Say(report, name, repair.degenerate, "triangles dropped: no area");
   Say(report, name, repair.duplicate, "triangles dropped: duplicates");
@@ -64,9 +85,9 @@ void Explain(const std::string& name, const Mesh& mesh, const RepairCounts& repa
   Say(report, name, topology.cavities, "cavities kept (closed, facing inwards, inside another component)");
   Say(report, name, topology.by_volume,
       "components were turned by their own volumes: so many parts that may lie in each other take too long to compare");
-  Say(report, name, topology.border_edges, "border edges: the mesh is open and is touched from both sides");
-  Say(report, name, topology.non_manifold_edges, "edges with three or more triangles: touched from both sides");
-  Say(report, name, topology.cut_edges, "edges cut: no consistent orientation exists; touched from both sides");
+  Say(report, name, topology.border_edges, "border edges stay: the mesh is open");
+  Say(report, name, topology.non_manifold_edges, "edges with three or more triangles stay");
+  Say(report, name, topology.cut_edges, "edges cut: no consistent orientation exists");
 }
 
 // Everything of one object that later steps add to the scene.
@@ -269,7 +290,7 @@ BuiltObject BuildObject(SceneInput& input, std::size_t index, BuildReport& repor
   clock.AddTo(report.repair_ms);
   const TopologyReport topology = ConnectAndOrient(built.mesh, watch);
   clock.AddTo(report.topology_ms);
-  Explain(Where(source, index), built.mesh, repair, topology, report);
+  Explain(Where(source, index), source.double_sided, built.mesh, repair, topology, report);
   built.faces = FindFaces(built.mesh, input.materials, watch);
   CopyName(source.name, built.object.name);
   built.object.component_count = topology.components;
@@ -277,7 +298,8 @@ BuiltObject BuildObject(SceneInput& input, std::size_t index, BuildReport& repor
   built.object.flags =
       (closed ? std::uint32_t{kClosed} : 0) | (closed && !source.double_sided ? 0 : std::uint32_t{kDoubleSided}) |
       (source.collidable ? std::uint32_t{kCollidable} : 0) | (source.car_wall ? std::uint32_t{kCarWall} : 0) |
-      (source.kinematic ? std::uint32_t{kKinematic} : 0);
+      (source.kinematic ? std::uint32_t{kKinematic} : 0) |
+      (IsCracked(topology) && !source.double_sided ? std::uint32_t{kCracked} : 0);
   return built;
 }
 
