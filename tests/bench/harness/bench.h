@@ -115,6 +115,9 @@ base::Result<BenchRows> BenchTexture(const BenchOptions& options);
 // (tests/support/touch/ball_judge.h): tip, radius_mm, body, style, ticks, inside, inverted, missed, false_contacts,
 // through, us_median, us_p99; of fine meshes only times, of the point and the pen's ball in turns.
 base::Result<BenchRows> BenchTips(const BenchOptions& options);
+// Strokes over bodies whose meshes are broken, judged by the formulas of the whole bodies: body, defect, strokes, path
+// (point or ball), ticks (judged ones: not beside openings wider than 50 um), inside, missed, false_contacts.
+base::Result<BenchRows> BenchSides(const BenchOptions& options);
 
 // Bad input into Tick, basins, singular poses, long runs: what must never happen, counted.
 base::Result<BenchRows> BenchStress(const BenchOptions& options);

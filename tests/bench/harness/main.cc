@@ -45,6 +45,8 @@ constexpr Bench kBenches[] = {
     {"texture", "gratings that a hand strokes: the delivered ripple by place (a simulation)", BenchTexture},
     {"tips", "a point and balls over thirty bodies: missed and false contacts, the side of the surface, time",
      BenchTips},
+    {"sides", "bodies with cracks, holes, bow ties, through each other, of loose triangles: what is missed",
+     BenchSides},
     {"race", "commanded and rendered hits of the car; walls and cost of the race", BenchRace},
     {"deformable", "soft bodies against a neo-Hookean reference, and their cost", BenchDeformable},
     {"sculpt", "cost of strokes and of publishing them, undo, and the force under the tip", BenchSculpt},
