@@ -12,6 +12,7 @@ constexpr double kStickMoves_m_s = 0.25;
 constexpr double kArm_N_m = 150;     // stiffness of a person's arm: how far to push against a spring
 constexpr double kCorrects_1_s = 2;  // visual correction of the stick's position
 constexpr double kPushedMost_m = 0.006;
+constexpr double kCrash_s = 3;  // at most, until the wall is there
 constexpr double kStop_s = 0.4;
 constexpr double kPress_m = 0.016, kPress_m_s = 0.02, kRelease_m_s = 0.05;  // down, until it clicks
 constexpr double kPressed_s = 0.6;  // a click is held so long that a busy application sees it, too
@@ -36,7 +37,12 @@ std::optional<sim::HandAim> RaceTask::NextAim(const Perceived& seen) {
       break;
     case Phase::kDrive:
       Hold(driver_.Steer(seen.car, dt_s), seen.tip_base_m, dt_s);
-      if (seen.car.laps > laps_before_) Enter(Phase::kStop);
+      hits_before_ = seen.car.hits;
+      if (seen.car.laps > laps_before_) Enter(Phase::kCrash);
+      break;
+    case Phase::kCrash:
+      Hold({0, 1}, seen.tip_base_m, dt_s);
+      if (seen.car.hits > hits_before_ || phase_s_ > kCrash_s) Enter(Phase::kStop);
       break;
     case Phase::kStop:
       presses_before_ = seen.select_presses;

@@ -1,4 +1,5 @@
-// A lap of a race: to the joystick, round the track, then the stick pressed down until it clicks, and away.
+// A lap of a race: to the joystick, round the track, straight into a wall, then the stick pressed down until it clicks,
+// and away.
 #pragma once
 
 #include <string>
@@ -20,7 +21,7 @@ class RaceTask final : public HandTask {
   std::string Summary() const override;
 
  private:
-  enum class Phase { kReach, kDrive, kStop, kPress, kPressed, kRelease, kLeave, kDone };
+  enum class Phase { kReach, kDrive, kCrash, kStop, kPress, kPressed, kRelease, kLeave, kDone };
   void Enter(Phase phase) { phase_ = phase, phase_s_ = 0; }
   void Hold(const StickWish& wish, const base::Vec3& tip_base_m, double dt_s);
 
@@ -32,7 +33,7 @@ class RaceTask final : public HandTask {
   MovingAim aim_;
   base::Vec3 pushed_m_;  // how much further the hand pushes than the stick should move
   PerceivedCar car_;     // as seen last
-  std::uint32_t laps_before_ = 0, presses_before_ = 0;
+  std::uint32_t laps_before_ = 0, hits_before_ = 0, presses_before_ = 0;
   int clicks_ = 0;
   bool pen_seen_ = false, clicked_ = false;
 };

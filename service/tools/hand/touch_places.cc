@@ -101,7 +101,11 @@ std::vector<TouchPlace> Broadcast(const std::vector<TouchPlace>& places, int wan
 }  // namespace
 
 std::vector<TouchPlace> FindTouchPlaces(const haptics::Scene& scene, const PlaceOptions& options) {
-  const std::vector<TouchPlace> places = scene.empty() ? std::vector<TouchPlace>{} : BestPlaces(scene, options);
+  if (scene.empty()) return {};
+  PlaceOptions strong = options;
+  strong.gap_max_m = std::min(options.gap_max_m, options.gap_strong_m);
+  std::vector<TouchPlace> places = BestPlaces(scene, strong);
+  if (places.empty()) places = BestPlaces(scene, options);
   return places.empty() ? places : Broadcast(places, options.places);
 }
 

@@ -13,10 +13,11 @@ namespace omni::tools {
 
 struct PlaceOptions {
   double hull_radius_m = 0.0375;
-  double gap_min_m = 0.004;  // surface points this far above the hull ...
-  double gap_max_m = 0.032;  // ... to this are within reach
-  double reach_m = 0.025;    // from the z axis
-  int places = 5;            // at most
+  double gap_min_m = 0.004;     // surface points this far above the hull ...
+  double gap_max_m = 0.032;     // ... to this are within reach; ...
+  double gap_strong_m = 0.010;  // ... if there are any up to here, where the base is strong, only those
+  double reach_m = 0.025;       // from the z axis
+  int places = 5;               // at most
 };
 
 struct TouchPlace {

@@ -14,8 +14,7 @@ constexpr double kPatience_s = 2.5;   // how long to press at one place
 constexpr double kHoldStill_s = 0.4;
 constexpr double kGrabMargin = 1.2;  // times the clay's grab force
 constexpr double kSoftPress_N = 0.25, kFirmPress_N = 0.5, kMostPress_N = 1.1;
-constexpr double kDent_m = 0.0015;        // wanted; ...
-constexpr double kDentEnough_m = 0.0005;  // ... this is one
+constexpr double kDentEnough_m = 0.0005;  // of a soft body, to count
 // With the clay: travel of the tip above the surface, and below the place where it was grabbed; the hand aims further.
 constexpr double kPull_m = 0.010, kPush_m = 0.0035;
 constexpr double kPullAim_m = 0.015, kPushAim_m = 0.012;
@@ -130,7 +129,7 @@ void TouchTask::HoldDown(const Perceived& seen, double dt_s) {
   pressed_ = true;
   dent_m_ = std::max(dent_m_, seen.dent_m);
   const bool clay = touch().kind == TouchKind::kClay, soft = touch().kind == TouchKind::kSoft;
-  const bool deeper = soft && seen.dent_m < kDent_m && seen.press_N < kMostPress_N;
+  const bool deeper = soft && seen.press_N < kMostPress_N;
   if (deeper || seen.press_N < Wanted_N(touch())) Sink(kProbe_m_s, dt_s);
   if (clay && seen.stroke_open) {
     grip_z_m_ = seen.tip_base_m.z;
