@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "service/base/free_memory.h"
 #include "service/haptics/geometry/winding_number.h"
 #include "service/haptics/scene/scene.h"
 
@@ -130,26 +131,33 @@ class Turner {
       report_.cavities += parts_[p].closed && parts_[p].volume_m3 < 0 && winding_[p] > kSure;
   }
 
-  // Mean winding number on the open parts, which says whether they are walls of a solid. Of loose triangles, which are
-  // not asked one by one, it also says whether they are inside-out.
+  // The last question: mean winding number on the open parts, which says whether they are walls of a solid. Of loose
+  // triangles, which are not asked one by one, it also says whether they are inside-out.
   void AskOpen() {
     double area_m2 = 0;
-    for (const Part& part : parts_) area_m2 += part.closed ? 0 : part.area_m2;
+    std::vector<bool> open(parts_.size()), loose(parts_.size());
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      open[p] = !parts_[p].closed;
+      loose[p] = open[p] && parts_[p].triangles < kFewTriangles;
+      area_m2 += open[p] ? parts_[p].area_m2 : 0;
+    }
     std::vector<std::uint32_t> samples;
     double passed_m2 = 0;
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
       watch_.Did();
-      if (parts_[mesh_.component[t]].closed) continue;
+      if (!open[mesh_.component[t]]) continue;
       passed_m2 += TriangleArea(mesh_, t);
       const double next = (static_cast<double>(samples.size()) + 0.5) / kOpenSamples * area_m2;
       if (samples.size() < kOpenSamples && passed_m2 >= next) samples.push_back(t);
     }
+    // Of loose triangles there are as many parts, which take more than the tree.
+    base::FreeMemory(parts_);
+    base::FreeMemory(winding_);
     std::int64_t left = kOpenWork;
     report_.solidity = MeanWinding(Tree(), samples, left);
     if (report_.solidity > kInsideOut) return;
-    for (std::uint32_t p = 0; p < parts_.size(); ++p) {
-      if (!parts_[p].closed && parts_[p].triangles < kFewTriangles) Mark(p);
-    }
+    flip_ = loose;
+    report_.flipped += static_cast<std::uint32_t>(std::count(loose.begin(), loose.end(), true));
     Flip();
     report_.solidity = MeanWinding(Tree(), samples, left);
   }

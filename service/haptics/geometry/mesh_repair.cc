@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "service/base/free_memory.h"
 #include "service/haptics/geometry/mesh_steps.h"
 #include "service/haptics/scene/scene.h"
 
@@ -37,6 +38,12 @@ class Welder {
  public:
   Welder(double tolerance_m, std::size_t expected, const base::WorkWatch& watch)
       : tolerance_m_(tolerance_m), cell_m_(64 * tolerance_m), buckets_(expected), watch_(watch) {}
+
+  // So many are kept at most: no block is larger than it must be.
+  void Reserve(std::size_t most) {
+    kept.reserve(most);
+    next_.reserve(most);
+  }
 
   std::uint32_t Add(const Vec3& p) {
     std::array<std::array<std::int64_t, 2>, 3> range{};
@@ -164,13 +171,13 @@ void DropUnusedVertices(Mesh& mesh, const base::WorkWatch& watch) {
 }
 
 // A quarter of the shortest edge at each vertex of the border: what is welded within it folds no triangle.
-std::vector<double> RoomAtBorder(const Mesh& mesh, const EdgeList& edges, const base::WorkWatch& watch) {
-  std::vector<double> room_m(mesh.vertices.size(), 1e30);
+std::vector<float> RoomAtBorder(const Mesh& mesh, const EdgeList& edges, const base::WorkWatch& watch) {
+  std::vector<float> room_m(mesh.vertices.size(), 1e30F);
   for (const HalfEdge& border : edges.borders) {
     watch.Did();
     const auto& t = mesh.triangles[border.triangle];
     for (std::size_t k = 0; k < 3; ++k) {
-      const double quarter_m = 0.25 * Norm(mesh.vertices[t[k]] - mesh.vertices[t[(k + 1) % 3]]);
+      const auto quarter_m = static_cast<float>(0.25 * Norm(mesh.vertices[t[k]] - mesh.vertices[t[(k + 1) % 3]]));
       for (const std::uint32_t v : {t[k], t[(k + 1) % 3]}) room_m[v] = std::min(room_m[v], quarter_m);
     }
   }
@@ -180,9 +187,12 @@ std::vector<double> RoomAtBorder(const Mesh& mesh, const EdgeList& edges, const 
 // What becomes of each vertex of the border: of those within the tolerance, the first. kNoIndex: no such vertex.
 std::vector<std::uint32_t> BorderMap(const Mesh& mesh, const EdgeList& edges, double tolerance_m,
                                      const base::WorkWatch& watch) {
-  const std::vector<double> room_m = RoomAtBorder(mesh, edges, watch);
-  Welder welder(tolerance_m, edges.borders.size(), watch);
+  const std::vector<float> room_m = RoomAtBorder(mesh, edges, watch);
+  const std::size_t most = std::min(edges.borders.size() + 1, mesh.vertices.size());
+  Welder welder(tolerance_m, most / 2, watch);
+  welder.Reserve(most);
   std::vector<std::uint32_t> kept, map(mesh.vertices.size(), kNoIndex);
+  kept.reserve(most);
   for (const HalfEdge& border : edges.borders) {
     watch.Did();
     for (const std::uint32_t v :
@@ -224,32 +234,35 @@ void DropDuplicates(Mesh& mesh, const base::WorkWatch& watch) {
 
 StitchReport StitchCracks(Mesh& mesh, EdgeList& edges, const base::WorkWatch& watch) {
   StitchReport report;
-  if (edges.borders.empty()) return report;
   const std::size_t borders = edges.borders.size();
-  Mesh before;
+  std::vector<std::array<std::uint32_t, 3>> before;
   for (const double tolerance_m : kStitch_m) {
     if (edges.borders.empty()) break;
     const std::vector<std::uint32_t> map = BorderMap(mesh, edges, tolerance_m, watch);
     const std::uint32_t welded = Welded(map);
     if (welded == 0) continue;
-    if (report.welded == 0) before = mesh;
+    edges = {};
+    if (report.welded == 0) before = mesh.triangles;
     for (auto& t : mesh.triangles) {
       for (std::uint32_t& v : t) v = map[v] == kNoIndex ? v : map[v];
     }
     report.welded += welded;
     report.within_m = tolerance_m;
-    DropDuplicates(mesh, watch);
-    DropUnusedVertices(mesh, watch);
-    edges = {};
     edges = ConnectEdges(mesh, watch);
   }
-  if (report.welded == 0 || static_cast<double>(edges.borders.size()) <= kStitched * static_cast<double>(borders)) {
-    return report;
-  }
-  mesh = std::move(before);
+  if (report.welded == 0) return report;
+  const bool helped = static_cast<double>(edges.borders.size()) <= kStitched * static_cast<double>(borders);
   edges = {};
+  if (helped) {
+    base::FreeMemory(before);
+    DropDuplicates(mesh, watch);
+    DropUnusedVertices(mesh, watch);
+  } else {
+    mesh.triangles = std::move(before);
+    report = {};
+  }
   edges = ConnectEdges(mesh, watch);
-  return {};
+  return report;
 }
 
 Mesh RepairMesh(const InputObject& input, RepairCounts& counts, const base::WorkWatch& watch) {
