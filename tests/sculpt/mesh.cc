@@ -199,7 +199,7 @@ TEST(SculptMeshTest, PullingThroughItselfKeepsTheManifold) {
 
 // A coarse block is refined before it is shaped, and what the brush does not reach stays flat.
 TEST(SculptMeshTest, ExtrudesACoarseFace) {
-  const Vec3 half{0.02, 0.02, 0.01};
+  const Vec3 half = PagedMesh::AsStored({0.02, 0.02, 0.01});
   const auto editor = EditorOf(Block(1, half));
   ASSERT_TRUE(editor->Stroke(On(*editor, {0.002, 0.001, 1}), BrushOf(0.008, Falloff::kConstant), 0.004).ok());
   EXPECT_GT(editor->report().vertices, 50U);

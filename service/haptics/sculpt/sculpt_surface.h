@@ -28,6 +28,10 @@ class SculptSurface : public PageView {
         page_count_(static_cast<std::uint32_t>(table.pages.size())),
         generation_(table.generation) {}
 
+  // Pages and nodes that may still change.
+  SculptSurface(const Page* const* pages, std::uint32_t page_count, const TreeNode* nodes) noexcept
+      : PageView(pages), nodes_(nodes), extent_m_(kMaxCoordinate_m), page_count_(page_count), generation_(0) {}
+
   const TreeNode& Node(std::uint32_t index) const noexcept {
     if ((index & kPageNode) != 0) return GetPage(index & ~kPageNode).tree.top;
     if ((index & kGroupNode) != 0) return GetPage((index & ~kGroupNode) >> 3).tree.group[index & 7];

@@ -10,6 +10,7 @@ namespace omni::haptics::sculpt {
 inline Mesh Connected(const InputObject& object) {
   RepairCounts counts;
   Mesh mesh = RepairMesh(object, counts);
+  for (Vec3& v : mesh.vertices) v = PagedMesh::AsStored(v);  // as files have them
   ConnectAndOrient(mesh);
   return mesh;
 }

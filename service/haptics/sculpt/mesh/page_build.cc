@@ -39,6 +39,7 @@ struct FanVertices {
         if (corner[t][k] == kNoIndex) TakeFan(mesh, t, k);
       }
     }
+    Store();
   }
 
  private:
@@ -51,6 +52,16 @@ struct FanVertices {
       k = v[0] == vertex ? 0 : (v[1] == vertex ? 1 : 2);
     }
     position.push_back(mesh.vertices[vertex]);
+  }
+  // As the editor stores them (PagedMesh::AsStored), but for the corners of needles that would lose their side by it.
+  void Store() {
+    std::vector<Vec3> exact(position);
+    for (Vec3& p : position) p = PagedMesh::AsStored(p);
+    for (const auto& t : corner) {
+      const Corners before{exact[t[0]], exact[t[1]], exact[t[2]]};
+      if (Dot(AreaVector(before), AreaVector({position[t[0]], position[t[1]], position[t[2]]})) > 0) continue;
+      for (const std::uint32_t v : t) position[v] = exact[v];
+    }
   }
 };
 
@@ -114,7 +125,7 @@ class PageBuilder {
     for (std::uint32_t page = 0; page < paged_.page_count(); ++page) {
       PageTree& tree = paged_.pages_[page]->tree;
       BuildPageTree(paged_.pages_.data(), page, false, tree);
-      paged_.slots_[page].keep_order = true;
+      paged_.slots_[page].keep_order = paged_.slots_[page].fitted = true;
       boxes.push_back(BoxOf(tree));
     }
     paged_.top_.Build(boxes);

@@ -46,6 +46,7 @@ std::uint32_t PagedMesh::NewPage(std::uint32_t near_page) {
   slots_.push_back({});
   slots_.back().writable = true;
   dirty_.push_back(page);
+  unfitted_.push_back(page);
   if (page > 0) top_.Insert(near_page, FloatBox{});
   return page;
 }
@@ -91,7 +92,7 @@ std::uint32_t PagedMesh::AddVertex(std::uint32_t near, const Vec3& position) {
       PageWithRoom(PageOf(near), [](const PageContent& c) { return c.vertex_count == kPageVertices; });
   PageContent& content = Write(page);
   const std::uint32_t slot = TakeSlot(content.vertex_used);
-  content.vertex[slot] = position;
+  content.vertex[slot] = AsStored(position);
   ++content.vertex_count;
   ++vertex_count_;
   return IndexOf(page, slot);
@@ -161,19 +162,24 @@ void PagedMesh::Apply(const UndoStep& step) {
   }
 }
 
+void PagedMesh::FitTrees() {
+  for (const std::uint32_t page : unfitted_) {
+    Slot& slot = slots_[page];
+    PageTree& tree = pages_[page]->tree;
+    BuildPageTree(pages_.data(), page, slot.keep_order, tree);
+    slot.keep_order = slot.fitted = true;
+    top_.SetPageBox(page, BoxOf(tree));
+  }
+  unfitted_.clear();
+}
+
 PublishReport PagedMesh::Publish() {
   PublishReport report;
   if (dirty_.empty()) return report;
   SculptTable* table = publisher_.SpareTable();
   if (table == nullptr) return report;
-  for (const std::uint32_t page : dirty_) {
-    Slot& slot = slots_[page];
-    PageTree& tree = pages_[page]->tree;
-    BuildPageTree(pages_.data(), page, slot.keep_order, tree);
-    slot.keep_order = true;
-    slot.writable = false;
-    top_.SetPageBox(page, BoxOf(tree));
-  }
+  FitTrees();
+  for (const std::uint32_t page : dirty_) slots_[page].writable = false;
   report.pages = static_cast<std::uint32_t>(dirty_.size());
   dirty_.clear();
   table->pages.assign(pages_.begin(), pages_.end());

@@ -85,8 +85,23 @@ class PagedMesh {
   std::uint32_t vertex_count() const noexcept { return vertex_count_; }
   bool HasRoom() const noexcept { return pages_.size() < kMaxPages; }  // for any split
 
+  // With the trees. Good until the next write. Precondition: FitTrees, since the last write or before those that may
+  // be missed.
+  SculptSurface SurfaceNow() const noexcept { return {pages_.data(), page_count(), top_.nodes().data()}; }
+  void FitTrees();
+
+  // As vertices are stored: in single precision, so that a file holds what is felt, bit by bit. By Veltkamp's splitting
+  // of 53 bits into 24 and the rest: GCC 12 leaves out pairs of conversions to float and back where it vectorizes.
+  static Vec3 AsStored(const Vec3& p) noexcept {
+    const auto round = [](double x) {
+      const double scaled = (0x1p29 + 1) * x;
+      return scaled - (scaled - x);
+    };
+    return {round(p.x), round(p.y), round(p.z)};
+  }
+
   // Writing. MoveVertex leaves it to the caller to call Moved for every triangle around the vertex.
-  void MoveVertex(std::uint32_t v, const Vec3& position) { Write(PageOf(v)).vertex[SlotOf(v)] = position; }
+  void MoveVertex(std::uint32_t v, const Vec3& position) { Write(PageOf(v)).vertex[SlotOf(v)] = AsStored(position); }
   void Moved(std::uint32_t triangle) { Write(PageOf(triangle)); }
   void SetTriangle(std::uint32_t t, const Triangle& triangle) {
     slots_[PageOf(t)].keep_order = false;
@@ -126,13 +141,16 @@ class PagedMesh {
     bool before_seen = false;  // it was published
     bool writable = false;     // not published yet
     bool keep_order = false;   // the tree's grouping is still right
+    bool fitted = false;       // the tree holds the triangles as they are
   };
   PagedMesh() = default;
   friend class PageBuilder;
 
   PageContent& Write(std::uint32_t page) {
-    const Slot& slot = slots_[page];
+    Slot& slot = slots_[page];
     if (!slot.writable || (recording_ && slot.before == nullptr)) MakeWritable(page);
+    if (slot.fitted) unfitted_.push_back(page);
+    slot.fitted = false;
     return pages_[page]->content;
   }
   void MakeWritable(std::uint32_t page);
@@ -146,9 +164,10 @@ class PagedMesh {
   SculptPublisher publisher_;
   std::vector<Page*> pages_;
   std::vector<Slot> slots_;
-  std::vector<std::uint32_t> dirty_;    // writable pages, each once
-  std::vector<std::uint32_t> touched_;  // pages with a `before`, each once
-  std::vector<std::uint32_t> empty_;    // pages that were empty when put here
+  std::vector<std::uint32_t> dirty_;     // writable pages, each once
+  std::vector<std::uint32_t> unfitted_;  // pages that are not fitted, each once
+  std::vector<std::uint32_t> touched_;   // pages with a `before`, each once
+  std::vector<std::uint32_t> empty_;     // pages that were empty when put here
   TopTree top_;
   bool recording_ = false;
   std::uint32_t triangle_count_ = 0, vertex_count_ = 0;
