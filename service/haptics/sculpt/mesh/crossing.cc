@@ -61,6 +61,7 @@ bool TrianglesCross(const Triangle& t, const Corners& a, const Triangle& u, cons
 
 bool CrossingCheck::CrossesAnother(std::uint32_t triangle, const std::array<std::uint32_t, 2>& without,
                                    std::uint32_t gone, std::uint32_t kept) {
+  if (up_ != Vec3{}) return !FacesUp(mesh_.TriangleCorners(triangle), up_);  // a field of heights, if it stays one
   if (!fitted_) Fit();
   const auto named = [&](std::uint32_t index) {
     Triangle t = mesh_.GetTriangle(index);

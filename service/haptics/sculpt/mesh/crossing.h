@@ -13,13 +13,21 @@ namespace omni::haptics::sculpt {
 // No stroke brings two parts of the surface nearer to each other: a reader may weld what is nearer than that.
 inline constexpr double kLeastGap_m = 1e-5;
 
+// The triangle faces within 84 degrees of `up`, a unit vector.
+inline bool FacesUp(const Corners& corners, const Vec3& up) noexcept {
+  constexpr double kLeastCosine = 0.1;
+  const Vec3 area = AreaVector(corners);
+  return Dot(area, up) > kLeastCosine * Norm(area);
+}
+
 // Do two triangles of a surface have a point in common beyond the corners that they share, or fold onto each other?
 bool TrianglesCross(const Triangle& t, const Corners& t_corners, const Triangle& u, const Corners& u_corners) noexcept;
 
 // Checks single operations: after each, what it changed is announced.
 class CrossingCheck {
  public:
-  explicit CrossingCheck(PagedMesh& mesh) : mesh_(mesh) {}
+  // `up`: Region::up() of where they are.
+  CrossingCheck(PagedMesh& mesh, const Vec3& up) : mesh_(mesh), up_(up) {}
 
   // The triangle's corners or place have changed. It is live.
   void Changed(std::uint32_t triangle) {
@@ -41,6 +49,7 @@ class CrossingCheck {
   }
 
   PagedMesh& mesh_;
+  const Vec3 up_;
   std::vector<std::uint32_t> changed_;  // since the trees were fitted
   bool fitted_ = false;
 };

@@ -162,15 +162,25 @@ void PagedMesh::Apply(const UndoStep& step) {
   }
 }
 
+void PagedMesh::FitTree(std::uint32_t page) {
+  Slot& slot = slots_[page];
+  PageTree& tree = pages_[page]->tree;
+  BuildPageTree(pages_.data(), page, slot.keep_order, tree);
+  slot.keep_order = slot.fitted = true;
+  top_.SetPageBox(page, BoxOf(tree));
+}
+
 void PagedMesh::FitTrees() {
-  for (const std::uint32_t page : unfitted_) {
-    Slot& slot = slots_[page];
-    PageTree& tree = pages_[page]->tree;
-    BuildPageTree(pages_.data(), page, slot.keep_order, tree);
-    slot.keep_order = slot.fitted = true;
-    top_.SetPageBox(page, BoxOf(tree));
-  }
+  for (const std::uint32_t page : unfitted_) FitTree(page);
   unfitted_.clear();
+}
+
+void PagedMesh::FitChangedTrees() {
+  std::erase_if(unfitted_, [this](std::uint32_t page) {
+    if (slots_[page].keep_order) return false;
+    FitTree(page);
+    return true;
+  });
 }
 
 PublishReport PagedMesh::Publish() {

@@ -89,6 +89,7 @@ class PagedMesh {
   // be missed.
   SculptSurface SurfaceNow() const noexcept { return {pages_.data(), page_count(), top_.nodes().data()}; }
   void FitTrees();
+  void FitChangedTrees();  // only those in which triangles were set; boxes of triangles that moved are as they were
 
   // As vertices are stored: in single precision, so that a file holds what is felt, bit by bit. By Veltkamp's splitting
   // of 53 bits into 24 and the rest: GCC 12 leaves out pairs of conversions to float and back where it vectorizes.
@@ -154,6 +155,7 @@ class PagedMesh {
     return pages_[page]->content;
   }
   void MakeWritable(std::uint32_t page);
+  void FitTree(std::uint32_t page);
   std::uint32_t NewPage(std::uint32_t near_page);
   std::uint32_t EmptyPageFor(std::uint32_t near_page);
   template <class Full>

@@ -25,6 +25,13 @@ struct FloatBox {
   friend bool operator==(const FloatBox&, const FloatBox&) = default;
 };
 
+inline bool BoxesMeet(const FloatBox& a, const FloatBox& b) noexcept {
+  bool meet = true;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    meet = meet && a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis];
+  return meet;
+}
+
 // Nearest floats are within 2^-24 |x| of x; one step of 2^-23 |x| outwards is at least one float further.
 inline float BelowFloat(double x) noexcept {
   const auto f = static_cast<float>(x);
