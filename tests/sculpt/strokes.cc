@@ -1,4 +1,4 @@
-// Thousands of random strokes: the mesh stays closed, oriented, 2-manifold, with positive areas; all can be undone.
+// Hundreds of random strokes: the mesh stays closed, oriented, 2-manifold, with positive areas; all can be undone.
 #include <gtest/gtest.h>
 
 #include "service/haptics/sculpt/mesh/check_manifold.h"
@@ -45,10 +45,10 @@ class Strokes : public ::testing::TestWithParam<int> {};
 
 std::vector<Case> Cases() {
   return {
-      {"ball", BumpyBall(10, 0.03), 0.03, 0.006, 400},
-      {"block", Block(1, {0.02, 0.015, 0.01}), 0.02, 0.004, 350},
-      {"tetrahedron", Tetrahedron(0.02), 0.02, 0.006, 300},
-      {"torus", Periodic(24, 12, [](double u, double v) { return TorusPoint(0.02, 0.008, u, v); }), 0.02, 0.005, 350}};
+      {"ball", BumpyBall(10, 0.03), 0.03, 0.006, 80},
+      {"block", Block(1, {0.02, 0.015, 0.01}), 0.02, 0.004, 70},
+      {"tetrahedron", Tetrahedron(0.02), 0.02, 0.006, 60},
+      {"torus", Periodic(24, 12, [](double u, double v) { return TorusPoint(0.02, 0.008, u, v); }), 0.02, 0.005, 70}};
 }
 
 TEST_P(Strokes, KeepManifoldAndUndoExactly) {

@@ -1,6 +1,5 @@
 #include "service/haptics/sculpt/sculpt_editor.h"
 
-#include "service/haptics/sculpt/mesh/mesh_ops.h"
 #include "service/haptics/sculpt/mesh/region.h"
 #include "service/haptics/sculpt/sculpt_query.h"
 
@@ -95,7 +94,7 @@ base::Status SculptEditor::Begin(const SurfacePoint& at, const Brush& brush) {
   AddPart(at, brush, kLongEdge * target_m, normal, mean_edge_m);
   Vec3 twin_normal = Mirrored(plane, normal);
   if (other.triangle != kNoIndex) AddPart(other, brush, kLongEdge * target_m, twin_normal, mean_edge_m);
-  edges_ = {kLongEdge * target_m, kShortEdge * std::min(target_m, mean_edge_m)};
+  edges_ = {kLongEdge * target_m, std::max(kTooShort_m, kShortEdge * std::min(target_m, mean_edge_m))};
   report_.vertices = region_.size();
   patch_ = PatchOf(*mesh_, region_);
   if (region_.size() > 0) return base::Ok{};
@@ -131,6 +130,7 @@ void SculptEditor::End() {
   }
   report_.vertices = region_.size();
   report_.triangles = patch_.size();
+  CoarsenStroke(*mesh_, 2 * options_.detail_m, region_, report_.remesh);
   CloseStep();
 }
 
@@ -201,14 +201,11 @@ base::Status SculptEditor::Restore(EditHistory history) {
   return base::Ok{};
 }
 
-// The newest generation's tree finds the place; what was edited since is near it.
 SurfacePoint SculptEditor::Locate(const Vec3& p, double reach_m) const {
-  const SculptTable* table = mesh_->publisher().newest();
-  if (table == nullptr || !IsWithin(p, kMaxCoordinate_m)) return {};
-  const NearestResult nearest = NearestInTree(SculptSurface(*table), 0, p, reach_m);
-  if (nearest.triangle == kNoIndex || !mesh_->IsLive(nearest.triangle)) return {};
-  const std::uint32_t triangle = DescendTo(*mesh_, nearest.triangle, p);
-  return {triangle, ClosestOnTriangle(mesh_->TriangleCorners(triangle), p).point};
+  if (!IsWithin(p, kMaxCoordinate_m)) return {};
+  mesh_->FitTrees();
+  const NearestResult nearest = NearestInTree(mesh_->SurfaceNow(), 0, p, reach_m);
+  return {nearest.triangle, nearest.closest.point};
 }
 
 Mesh SnapshotOf(const PageView& pages, std::uint32_t page_count) {

@@ -86,7 +86,7 @@ class SculptEditor {
   // use, it fails with a reason and changes nothing. Undo and Redo refuse steps that would.
   base::Status Restore(EditHistory history);
 
-  // Nearest point of the surface being edited within `reach_m` of `p`. Between edits exact; triangle kNoIndex: none.
+  // Nearest point of the surface being edited within `reach_m` of `p`; triangle kNoIndex: none.
   SurfacePoint Locate(const Vec3& p, double reach_m) const;
 
   // Makes the present state visible to the next tick.

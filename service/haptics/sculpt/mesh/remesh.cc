@@ -1,6 +1,10 @@
 #include "service/haptics/sculpt/mesh/remesh.h"
 
+#include <limits>
+#include <span>
+
 #include "service/haptics/geometry/topology.h"
+#include "service/haptics/sculpt/mesh/crossing.h"
 #include "service/haptics/sculpt/mesh/mesh_ops.h"
 #include "service/haptics/sculpt/mesh/region.h"
 
@@ -9,6 +13,8 @@ namespace {
 
 constexpr double kFlatCosine = 0.9;     // edges sharper than about 26 degrees are left alone: they are features
 constexpr double kSmoothCosine = 0.96;  // to the mean normal: only where all are within 16 degrees is there one tangent
+constexpr double kFlat_m = 4e-6;        // nearer to the surface without it, a vertex is not needed
+constexpr double kGoodShape = 0.3;      // of a triangle; see ShapeOf
 constexpr std::size_t kMaxChanges = 200'000;  // per call; the remainder is split by the next
 
 double EdgeSquared(const Corners& c, std::size_t k) noexcept { return SquaredNorm(c[(k + 1) % 3] - c[k]); }
@@ -50,6 +56,13 @@ class Remesher {
     return std::min({EdgeSquared(c, 0), EdgeSquared(c, 1), EdgeSquared(c, 2)}) < short_squared_;
   }
 
+  // The stroke moves a corner of it.
+  bool IsMoved(std::uint32_t t) const noexcept {
+    const Triangle& triangle = mesh_.GetTriangle(t);
+    return std::any_of(std::begin(triangle.vertex), std::end(triangle.vertex),
+                       [this](std::uint32_t v) { return region_.Has(v); });
+  }
+
   // Until the triangle's own longest edge is short enough. False: the mesh or the call is at its limit.
   bool SplitUntilShort(std::uint32_t t) {
     while (TooLong(t)) {
@@ -61,6 +74,7 @@ class Remesher {
       if (m == kNoIndex) return false;
       ++counts_.splits;
       Changed(m);
+      Announce(Fan(mesh_, m));
       region_.AddMiddle(m, d.a, d.b);
     }
     return true;
@@ -81,6 +95,24 @@ class Remesher {
     for (std::uint32_t k = 0; k < 3 && mesh_.IsLive(t); ++k) {
       if (EdgeSquared(mesh_.TriangleCorners(t), k) < short_squared_ && TryCollapse({t, k})) return;
     }
+  }
+
+  // Merges the vertex into the neighbour by which the surface changes least, if that is by no more than can be felt.
+  void TakeOut(std::uint32_t v) {
+    const Fan fan(mesh_, v);
+    if (!HasOneMaterial(fan)) return;
+    Diamond best{};
+    double least_m2 = kFlat_m * kFlat_m;
+    for (int i = 0; i < fan.size(); ++i) {
+      const std::uint32_t t = fan.triangle(i);
+      const Diamond d = DiamondOf(mesh_, {t, static_cast<std::uint32_t>(CornerOf(mesh_.GetTriangle(t), v))});
+      const double away_m2 = AwayWithout(fan, d);
+      if (!(away_m2 < least_m2)) continue;
+      best = d;
+      least_m2 = away_m2;
+    }
+    if (!(least_m2 < kFlat_m * kFlat_m) || !StaysFlat(fan, best) || CrossesWithout(fan, best)) return;
+    Collapse(best, fan);
   }
 
   // Edges around what was changed.
@@ -139,11 +171,91 @@ class Remesher {
     const Fan fan_a(mesh_, d.a), fan_b(mesh_, d.b);
     if (!CanCollapse(d, mesh_, fan_a, fan_b)) return false;
     const Vec3 there = mesh_.VertexPosition(d.b);
-    if (!FanMayMove(fan_a, d.a, there, &d, long_squared_)) return false;
+    if (!FanMayMove(fan_a, d.a, there, &d, long_squared_) || CrossesWithout(fan_a, d)) return false;
+    Collapse(d, fan_a);
+    return true;
+  }
+
+  void Collapse(const Diamond& d, const Fan& fan_a) {
     CollapseEdge(mesh_, d, fan_a);
+    Announce(fan_a);
     region_.Remove(d.a);
     ++counts_.collapses;
     Changed(d.b);
+  }
+
+  void Announce(const Fan& fan) {
+    for (int i = 0; i < fan.size(); ++i) crossing_.Changed(fan.triangle(i));
+  }
+
+  // The vertex and its triangles, at another place.
+  void Place(std::uint32_t vertex, const Fan& fan, const Vec3& position) {
+    mesh_.MoveVertex(vertex, position);
+    for (int i = 0; i < fan.size(); ++i) mesh_.Moved(fan.triangle(i));
+    Announce(fan);
+  }
+
+  // Something passes through something if d.a goes into d.b.
+  bool CrossesWithout(const Fan& fan_a, const Diamond& d) {
+    const Vec3 here = mesh_.VertexPosition(d.a);
+    Place(d.a, fan_a, mesh_.VertexPosition(d.b));
+    bool crosses = false;
+    for (int i = 0; i < fan_a.size() && !crosses; ++i) {
+      const std::uint32_t t = fan_a.triangle(i);
+      crosses = t != d.t && t != d.o && crossing_.CrossesAnother(t, {d.t, d.o}, d.a, d.b);
+    }
+    Place(d.a, fan_a, here);
+    return crosses;
+  }
+
+  bool HasOneMaterial(const Fan& fan) const noexcept {
+    for (int i = 1; i < fan.size(); ++i) {
+      if (mesh_.GetTriangle(fan.triangle(i)).material != mesh_.GetTriangle(fan.triangle(0)).material) return false;
+    }
+    return true;
+  }
+
+  // Square of the distance that the surface keeps from d.a when that goes into d.b; infinite: it must not.
+  double AwayWithout(const Fan& fan_a, const Diamond& d) const noexcept {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    if (!CanCollapse(d, mesh_, fan_a, Fan(mesh_, d.b))) return kNever;
+    const Vec3 here = mesh_.VertexPosition(d.a), there = mesh_.VertexPosition(d.b);
+    double least_m2 = kNever, shape = 1, shape_before = 1;
+    for (int i = 0; i < fan_a.size(); ++i) {
+      const std::uint32_t t = fan_a.triangle(i);
+      Corners c = mesh_.TriangleCorners(t);
+      shape_before = std::min(shape_before, ShapeOf(c));
+      if (t == d.t || t == d.o) continue;
+      c[static_cast<std::size_t>(CornerOf(mesh_.GetTriangle(t), d.a))] = there;
+      shape = std::min(shape, ShapeOf(c));
+      least_m2 = std::min(least_m2, ClosestOnTriangle(c, here).distance_squared);
+    }
+    if (!(least_m2 < kFlat_m * kFlat_m) || shape < std::min(kGoodShape, shape_before)) return kNever;
+    return FanMayMove(fan_a, d.a, there, &d, long_squared_) ? least_m2 : kNever;
+  }
+
+  // The middles of the edges that go are near the surface with the new ones, and the other way round.
+  bool StaysFlat(const Fan& fan, const Diamond& d) const {
+    std::array<Corners, kMaxValence> old, made;
+    std::size_t count = 0;
+    const Vec3 here = mesh_.VertexPosition(d.a), there = mesh_.VertexPosition(d.b);
+    for (int i = 0; i < fan.size(); ++i) {
+      const Corners c = mesh_.TriangleCorners(fan.triangle(i));
+      old[static_cast<std::size_t>(i)] = c;
+      if (fan.triangle(i) == d.t || fan.triangle(i) == d.o) continue;
+      made[count] = c;
+      made[count++][static_cast<std::size_t>(CornerOf(mesh_.GetTriangle(fan.triangle(i)), d.a))] = there;
+    }
+    const auto is_near = [](const Vec3& p, std::span<const Corners> surface) {
+      return std::any_of(surface.begin(), surface.end(), [&](const Corners& c) {
+        return ClosestOnTriangle(c, p).distance_squared < kFlat_m * kFlat_m;
+      });
+    };
+    for (int i = 0; i < fan.size(); ++i) {
+      const Vec3 end = mesh_.VertexPosition(fan.next(i));
+      if (!is_near(0.5 * (here + end), {made.data(), count})) return false;
+      if (!is_near(0.5 * (there + end), {old.data(), static_cast<std::size_t>(fan.size())})) return false;
+    }
     return true;
   }
 
@@ -168,6 +280,13 @@ class Remesher {
     }
     if (std::min(ShapeOf(t_new), ShapeOf(o_new)) < 0.5 * std::min(ShapeOf(t_old), ShapeOf(o_old))) return;
     FlipEdge(mesh_, d);
+    crossing_.Changed(d.t);
+    crossing_.Changed(d.o);
+    if (crossing_.CrossesAnother(d.t) || crossing_.CrossesAnother(d.o)) {
+      FlipEdge(mesh_, DiamondOf(mesh_, {d.t, 2}));  // c - d becomes a - b again; the two have changed places
+      crossing_.Changed(d.t);
+      return crossing_.Changed(d.o);
+    }
     ++counts_.flips;
     for (const std::uint32_t v : {d.a, d.b, d.c, d.d}) Changed(v);
   }
@@ -187,11 +306,13 @@ class Remesher {
     }
     const Vec3 here = mesh_.VertexPosition(v);
     const Vec3 way = 0.5 * (middle - here);
-    const Vec3 there = here + (way - Dot(way, normal) * normal);
+    const Vec3 there = PagedMesh::AsStored(here + (way - Dot(way, normal) * normal));
     const double longest = std::max(long_squared_, LongestAround(fan));
     if (!FanMayMove(fan, v, there, nullptr, longest)) return;
-    mesh_.MoveVertex(v, there);
-    for (int i = 0; i < fan.size(); ++i) mesh_.Moved(fan.triangle(i));
+    Place(v, fan, there);
+    for (int i = 0; i < fan.size(); ++i) {
+      if (crossing_.CrossesAnother(fan.triangle(i))) return Place(v, fan, here);
+    }
     ++counts_.smoothed;
   }
 
@@ -207,6 +328,7 @@ class Remesher {
   double long_squared_, short_squared_;
   Region& region_;
   RemeshCounts& counts_;
+  CrossingCheck crossing_{mesh_, region_.up()};
   std::vector<std::uint32_t> changed_;
   IndexMap seen_;
 };
@@ -238,15 +360,30 @@ bool Remesh(PagedMesh& mesh, const EdgeRange& edges, Region& region, Patch& patc
   }
   if (too_long.empty() && too_short.empty()) return false;
   for (const std::uint32_t t : too_long) {
-    if (!remesher.SplitUntilShort(t)) break;
+    if (remesher.IsMoved(t) && !remesher.SplitUntilShort(t)) break;
   }
-  remesher.SplitParts([](std::uint32_t) { return true; });
+  remesher.SplitParts([&](std::uint32_t t) { return remesher.IsMoved(t); });
   for (const std::uint32_t t : too_short) remesher.CollapseShort(t);
   remesher.FlipForValence();
   remesher.SmoothChanged();
   if (remesher.changed().empty()) return false;
   patch = PatchOf(mesh, region);
   return true;
+}
+
+void CoarsenStroke(PagedMesh& mesh, double longest_edge_m, Region& region, RemeshCounts& counts) {
+  Remesher remesher(mesh, {longest_edge_m, 0}, region, counts);
+  std::vector<std::uint32_t> vertices;
+  for (std::size_t i = 0; i < region.size(); ++i) vertices.push_back(region.vertex(i));
+  vertices.insert(vertices.end(), region.made().begin(), region.made().end());
+  // The last made goes first: splits are taken back in the order in which that is possible.
+  for (bool again = true; again;) {
+    const std::uint32_t before = counts.collapses;
+    for (std::size_t i = vertices.size(); i-- > 0;) {
+      if (mesh.FirstTriangle(vertices[i]) != kNoIndex) remesher.TakeOut(vertices[i]);
+    }
+    again = counts.collapses - before > vertices.size() / 50;
+  }
 }
 
 std::uint32_t RefineBall(PagedMesh& mesh, const SurfacePoint& at, double radius_m, double long_m, Region& region,

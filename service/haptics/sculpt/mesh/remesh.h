@@ -29,4 +29,8 @@ bool Remesh(PagedMesh& mesh, const EdgeRange& edges, Region& region, Patch& patc
 std::uint32_t RefineBall(PagedMesh& mesh, const SurfacePoint& at, double radius_m, double long_m, Region& region,
                          RemeshCounts& counts);
 
+// After a stroke: takes out what its form does not need, of the vertices that it moved or made. None was further from
+// the surface that is left than can be felt (4.4).
+void CoarsenStroke(PagedMesh& mesh, double longest_edge_m, Region& region, RemeshCounts& counts);
+
 }  // namespace omni::haptics::sculpt
