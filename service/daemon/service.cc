@@ -187,7 +187,7 @@ struct Service::RequestHandler {
   }
   void operator()(const protocol::SceneCommand& command) const {
     constexpr SculptAction kActions[] = {SculptAction::kEdits, SculptAction::kUndo, SculptAction::kRedo,
-                                         SculptAction::kSave};
+                                         SculptAction::kSave, SculptAction::kRelease};
     service.scenes_.sculpt().Request({.asker = id,
                                       .number = command.number,
                                       .client = command.client_id,

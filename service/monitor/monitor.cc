@@ -334,10 +334,7 @@ struct Monitor::RequestHandler {
       Warn("this material cannot be changed now");
     }
   }
-  void operator()(const EditRequest& request) const {
-    monitor.connection_.SendSceneCommand(request.redo ? protocol::SceneAction::kRedo : protocol::SceneAction::kUndo, 0,
-                                         "");
-  }
+  void operator()(const EditRequest& request) const { monitor.connection_.SendSceneCommand(request.action, 0, ""); }
   void operator()(const SaveRequest& request) const {
     if (monitor.save_.command != 0) {
       return monitor.Send(page, AnswerText(request.number, false, "another copy is being made; wait for it"));

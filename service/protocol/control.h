@@ -118,7 +118,7 @@ struct Notice {
   char text[1000] = {};
 };
 
-enum class SceneAction : std::uint32_t { kEdits = 1, kUndo = 2, kRedo = 3, kSave = 4 };
+enum class SceneAction : std::uint32_t { kEdits = 1, kUndo = 2, kRedo = 3, kSave = 4, kRelease = 5 };
 
 // A request to do something with a sculpted scene; answered by one SceneReply. Any client may send it.
 struct SceneCommand {

@@ -73,7 +73,7 @@ const char* Problem(const Surfaces& surfaces) noexcept {
 }
 
 const char* Problem(const SceneCommand& command) noexcept {
-  if (command.action < SceneAction::kEdits || command.action > SceneAction::kSave) return "action is not in 1..4";
+  if (command.action < SceneAction::kEdits || command.action > SceneAction::kRelease) return "action is not in 1..5";
   return IsTerminated(command.object) ? nullptr : "object is not terminated";
 }
 

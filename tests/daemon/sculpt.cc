@@ -174,6 +174,22 @@ TEST_F(SculptThreadTest, RejectsUndoAndRedoDuringAStroke) {
   EXPECT_LT(Top(*scene), kRadius_m + 1e-6);
 }
 
+TEST_F(SculptThreadTest, ReleasesWhatIsHeld) {
+  const auto scene = Lumps(2);
+  Begin(scene);
+  SculptAnswer answer = Request(SculptAction::kRelease);
+  EXPECT_FALSE(answer.ok);
+  EXPECT_EQ(answer.text, "nothing is held");
+  Pull pull(*scene, 1, 1);
+  ASSERT_TRUE(InTime([&] { return Edits("stroke_open", 1) == true; }));
+  const std::uint32_t before = scene->live()->sculpt_session_at(1).releases();
+  answer = Request(SculptAction::kRelease);
+  EXPECT_TRUE(answer.ok);
+  EXPECT_EQ(answer.text, "lump 1: released");
+  EXPECT_EQ(scene->live()->sculpt_session_at(0).releases(), 0U);
+  EXPECT_EQ(scene->live()->sculpt_session_at(1).releases(), before + 1) << "for the tick to see";
+}
+
 TEST_F(SculptThreadTest, UndoDefaultsToTheObjectEditedLast) {
   const auto scene = Lumps(3);
   Begin(scene);

@@ -26,8 +26,9 @@ TEST(PageRequests, EachKindIsRead) {
   EXPECT_EQ(aim.tip_base_m, (std::array<double, 3>{0.01, -0.02, 0.08}));
   As<LiftRequest>(R"({"type":"lift"})");
   EXPECT_EQ(As<SceneRequest>(R"({"type":"scene","name":"dragon"})").name, "dragon");
-  EXPECT_FALSE(As<EditRequest>(R"({"type":"undo"})").redo);
-  EXPECT_TRUE(As<EditRequest>(R"({"type":"redo"})").redo);
+  EXPECT_EQ(As<EditRequest>(R"({"type":"undo"})").action, protocol::SceneAction::kUndo);
+  EXPECT_EQ(As<EditRequest>(R"({"type":"redo"})").action, protocol::SceneAction::kRedo);
+  EXPECT_EQ(As<EditRequest>(R"({"type":"release"})").action, protocol::SceneAction::kRelease);
   EXPECT_EQ(As<SaveRequest>(R"({"type":"save","number":7})").number, 7U);
   EXPECT_FALSE(As<StopRequest>(R"({"type":"stop","on":false})").on);
   const MaterialRequest material =

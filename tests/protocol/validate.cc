@@ -291,7 +291,7 @@ TEST(Validate, RejectsSceneMessagesOutOfRange) {
   SceneCommand command;
   command.action = static_cast<SceneAction>(0);
   EXPECT_NE(ReasonFor(command).find("action"), std::string::npos);
-  command.action = static_cast<SceneAction>(5);
+  command.action = static_cast<SceneAction>(6);
   EXPECT_NE(ReasonFor(command).find("action"), std::string::npos);
   command = {};
   std::memset(command.object, 'x', sizeof(command.object));

@@ -175,7 +175,7 @@ struct Contract {
   }
   void operator()(const SceneCommand& command) const {
     EXPECT_TRUE(IsTerminated(command.object));
-    EXPECT_TRUE(command.action >= SceneAction::kEdits && command.action <= SceneAction::kSave);
+    EXPECT_TRUE(command.action >= SceneAction::kEdits && command.action <= SceneAction::kRelease);
   }
   void operator()(const SceneAnswer& answer) const {
     EXPECT_EQ(answer.text.size(), size - sizeof(SceneReply));

@@ -203,6 +203,27 @@ TEST(SculptParametersTest, NeverLetsGoOfATipAtRestWhereTheMaterialSaysSo) {
   EXPECT_EQ(hand.editor().undo_steps(), 1U);
 }
 
+// By a key or a button, also in the middle of a pull; it then holds again only after the pen has let off.
+TEST(SculptParametersTest, ReleasesWhenAUserAsks) {
+  SculptHand hand(Sphere(40, kRadius_m), {.rest_s = 0}, FiveMillimetres());
+  const double top_m = TopOf(hand.editor());
+  hand.Release();  // of nothing
+  Grab(hand, top_m);
+  hand.Go({0, 0, top_m + 0.006}, 0.03);
+  ASSERT_EQ(hand.state().phase, SculptPhase::kHeld);
+  const double bump_m = hand.state().offset_m;
+  ASSERT_GT(bump_m, 0.003);
+  hand.Release();
+  hand.Rest(30);
+  EXPECT_EQ(hand.state().phase, SculptPhase::kFree);
+  EXPECT_EQ(hand.state().hold, 0);
+  EXPECT_EQ(hand.editor().undo_steps(), 1U);
+  EXPECT_NEAR(TopOf(hand.editor()) - top_m, bump_m, 2e-4);
+  hand.MoveTo({0, 0, top_m + 0.03});
+  Grab(hand, TopOf(hand.editor()));
+  EXPECT_EQ(hand.state().phase, SculptPhase::kHeld) << "the last one is over";
+}
+
 // Below its yield force clay is a spring, pushed or pulled; who lets go after that has changed nothing.
 TEST(SculptParametersTest, ProbingIsElasticBothWaysAndChangesNothing) {
   const SculptParameters parameters;

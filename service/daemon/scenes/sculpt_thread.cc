@@ -290,6 +290,8 @@ void SculptThread::Execute(const Work& work, std::unique_lock<std::mutex>& lock)
       answer.ok = true;
     } else if (work.request.action == SculptAction::kSave) {
       Save(*sculpted, lock, answer);
+    } else if (work.request.action == SculptAction::kRelease) {
+      Release(*sculpted, answer);
     } else {
       Step(*sculpted, work.request, answer);
     }
@@ -329,6 +331,18 @@ void SculptThread::Step(Sculpted& sculpted, const SculptRequest& request, Sculpt
     answer.text = who + (undo ? "undone, " : "redone, ") + std::to_string(editor.undo_steps()) + " to undo, " +
                   std::to_string(editor.redo_steps()) + " to redo";
   }
+}
+
+// Of whatever is held: there is one pen.
+void SculptThread::Release(const Sculpted& sculpted, SculptAnswer& answer) {
+  for (std::size_t n = 0; n < sculpted.benches.size(); ++n) {
+    haptics::sculpt::SculptSession& session = sculpted.sculpt_session(n);
+    if (!session.editor().in_stroke()) continue;
+    session.Release();
+    answer.ok = true;
+    answer.text += (answer.text.empty() ? "" : ", ") + std::string(sculpted.name(n)) + ": released";
+  }
+  if (!answer.ok) answer.text = "nothing is held";
 }
 
 std::string SculptThread::Edits(const Sculpted& sculpted) {

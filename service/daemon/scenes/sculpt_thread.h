@@ -21,7 +21,7 @@
 
 namespace omni::daemon {
 
-enum class SculptAction : std::uint8_t { kEdits, kUndo, kRedo, kSave };
+enum class SculptAction : std::uint8_t { kEdits, kUndo, kRedo, kSave, kRelease };
 
 struct SculptRequest {
   std::uint64_t asker = 0;   // client that gets the answer
@@ -124,6 +124,7 @@ class SculptThread {
   void Execute(const Work& work, std::unique_lock<std::mutex>& lock);
   void Save(const Sculpted& sculpted, std::unique_lock<std::mutex>& lock, SculptAnswer& answer);
   void Step(Sculpted& sculpted, const SculptRequest& request, SculptAnswer& answer);
+  static void Release(const Sculpted& sculpted, SculptAnswer& answer);
   static std::string Edits(const Sculpted& sculpted);
   // The sculpt session that a request refers to; none: see `why`.
   static std::optional<std::size_t> Named(const Sculpted& sculpted, const std::string& object, std::string& why);

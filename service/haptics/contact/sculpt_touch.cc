@@ -113,6 +113,7 @@ Vec3 StepSculptTools(const StiffnessBound& bound, const ContactScene& contact_sc
     tool.stiffness_limit_N_m = bound.stiffness_N_m;
     tool.normal_stiffness_limit_N_m = StiffnessAlong(bound, frame.BaseDirection(state.sculpted[n].tool.normal));
     tool.generation = table->generation;
+    tool.releases = sculpt_session.releases();
     tool.brush = sculpt_session.brush();
     const std::size_t touched = DeepestOn(object, state);
     if (touched < kMaxContacts) tool.touch = TouchOf(*table, state.contacts[touched], forces.of[touched]);

@@ -1,6 +1,7 @@
 // One sculpted object: the editor with its thread's end of the ring, and what the tick needs of it.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <utility>
 
@@ -50,6 +51,7 @@ class SculptSession {
   const Brush& brush() const noexcept { return brush_; }
   const SculptTable* Acquire() noexcept { return editor_->publisher().Acquire(); }
   StrokeRing& ring() noexcept { return ring_; }
+  std::uint32_t releases() const noexcept { return releases_.load(std::memory_order_relaxed); }
 
   // The drawing side, one thread: SculptPublisher::Pin.
   const SculptTable* Pin() noexcept { return editor_->publisher().Pin(); }
@@ -58,6 +60,8 @@ class SculptSession {
   // The editor's side, one thread.
   SculptEditor& editor() noexcept { return *editor_; }
   ServeReport Poll() { return server_.Poll(); }
+  // The tick lets go of what it holds.
+  void Release() noexcept { releases_.fetch_add(1, std::memory_order_relaxed); }
   // The tick starts or has stopped reading this (SculptPublisher::SetReader). A stroke that is open when it stops is
   // ended: its tool is gone.
   void SetReader(bool present) {
@@ -69,6 +73,7 @@ class SculptSession {
   const SculptParameters parameters_;
   const Brush brush_;
   StrokeRing ring_;
+  std::atomic<std::uint32_t> releases_ = 0;
   std::unique_ptr<SculptEditor> editor_;
   StrokeServer server_;
 };

@@ -18,6 +18,7 @@ constexpr std::array kStill{Stillness{0.05, 1.5e-4}, Stillness{0.2, 3e-4}};  // 
 void Take(const SculptInput& input, SculptToolState& state) noexcept {
   state.phase = SculptPhase::kHeld;
   state.rests = {};
+  state.releases = input.releases;
   state.grip_base_m = input.tip_base_m;
   state.normal = input.touch.normal;
   state.start_force_N = input.touch.normal_force_N;
@@ -108,7 +109,7 @@ void StepHeld(const SculptParameters& parameters, const SculptInput& input, Scul
                        side_N * Normalized(sideways);
   const bool rested = HasRested(parameters, height_m, k, input.dt_s, state);
   const bool torn = IsTorn(parameters, height_m, k, state) || !(side_m <= input.brush.radius_m + parameters.tear_m);
-  if (torn || rested) state.phase = SculptPhase::kSettling;
+  if (torn || rested || input.releases != state.releases) state.phase = SculptPhase::kSettling;
 }
 
 void StepSettling(const SculptParameters& parameters, double dt_s, SculptToolState& state) noexcept {

@@ -40,6 +40,7 @@ struct SculptInput {
   double stiffness_limit_N_m = 0;         // what stability allows in every direction ...
   double normal_stiffness_limit_N_m = 0;  // ... and along the normal of the hold
   std::uint64_t generation = 0;           // of the surface the touch is on
+  std::uint32_t releases = 0;             // so often a user has asked to let go, by another one what is held is
   SculptTouch touch;
   Brush brush;
 };

@@ -77,10 +77,11 @@ struct SculptToolState {
   Vec3 grip_base_m;              // tip when taken
   Vec3 normal;                   // of the surface when taken
   double start_force_N = 0;
-  double offset_m = 0;       // that the surface has been moved so far
-  double hold = 0;           // share of the tool's force, the contact has the rest
-  Vec3 held_force_N;         // the tool's force at the last tick it held
-  std::uint32_t stroke = 0;  // counts up
+  double offset_m = 0;         // that the surface has been moved so far
+  double hold = 0;             // share of the tool's force, the contact has the rest
+  Vec3 held_force_N;           // the tool's force at the last tick it held
+  std::uint32_t stroke = 0;    // counts up
+  std::uint32_t releases = 0;  // as they were when it was taken
   double sent_offset_m = 0;
   bool begin_waits = false;  // messages that did not fit the ring yet
   bool end_waits = false;

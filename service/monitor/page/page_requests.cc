@@ -94,7 +94,9 @@ PageRequest Read(const json& request) {
   if (name == "lift") return LiftRequest{};
   if (name == "scene") return Scene(request);
   if (name == "material") return Material(request);
-  if (name == "undo" || name == "redo") return EditRequest{.redo = name == "redo"};
+  if (name == "undo") return EditRequest{protocol::SceneAction::kUndo};
+  if (name == "redo") return EditRequest{protocol::SceneAction::kRedo};
+  if (name == "release") return EditRequest{protocol::SceneAction::kRelease};
   if (name == "save") return SaveRequest{.number = ReadInteger(request, "number")};
   if (name == "stop") return StopRequest{.on = Truth(request, "on")};
   throw Problem{"type is none that this version knows"};

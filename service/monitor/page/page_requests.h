@@ -9,6 +9,7 @@
 
 #include "service/base/material.h"
 #include "service/base/result.h"
+#include "service/protocol/control.h"
 
 namespace omni::monitor {
 
@@ -28,7 +29,7 @@ struct MaterialRequest {
   base::MaterialParameters values;                      // of those; in range
 };
 struct EditRequest {
-  bool redo = false;
+  protocol::SceneAction action = protocol::SceneAction::kUndo;  // kUndo, kRedo, kRelease
 };
 struct SaveRequest {
   std::uint32_t number = 0;

@@ -257,6 +257,7 @@ export type Request =
   | { type: 'material'; index: number; values: Record<string, number> }
   | { type: 'undo' }
   | { type: 'redo' }
+  | { type: 'release' } // lets go of the clay that the pen holds
   | { type: 'save'; number: number }
   | { type: 'stop'; on: boolean }; // emergency stop
 // A dropped file is binary: see Link.drop.

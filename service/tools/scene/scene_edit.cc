@@ -57,16 +57,18 @@ int Edits(const EditArguments& arguments) {
   return kExitOk;
 }
 
-int UndoOrRedo(const char* command, SceneAction action, const EditArguments& arguments) {
+int Change(const char* command, SceneAction action, const EditArguments& arguments) {
   client::SceneAnswer answer;
   const int status = Request(command, action, arguments, answer);
   if (status == kExitOk) Print(answer.text + "\n");
   return status;
 }
 
-int Undo(const EditArguments& arguments) { return UndoOrRedo("omni scene undo", SceneAction::kUndo, arguments); }
+int Undo(const EditArguments& arguments) { return Change("omni scene undo", SceneAction::kUndo, arguments); }
 
-int Redo(const EditArguments& arguments) { return UndoOrRedo("omni scene redo", SceneAction::kRedo, arguments); }
+int Redo(const EditArguments& arguments) { return Change("omni scene redo", SceneAction::kRedo, arguments); }
+
+int Release(const EditArguments& arguments) { return Change("omni scene release", SceneAction::kRelease, arguments); }
 
 int Save(const EditArguments& arguments) {
   constexpr const char* kCommand = "omni scene save";
@@ -101,11 +103,13 @@ void AddSceneEdits(Command& scene) {
   for (Command command : {undo, redo}) {
     command.Add("--object", arguments->object, "name or number (default: the one edited last)");
   }
+  Command release = scene.AddCommand("release", "let go of the clay that the pen holds; for a key or a foot switch");
+  release.SetAction(arguments, Release);
   Command save = scene.AddCommand("save", "write the sculpted surfaces as a .glb file, as they are now");
   save.Add("file", arguments->file, "the file to write").Required().WritesOnly(".glb", "binary glTF");
   save.Add("--force", arguments->force, "replace an existing file");
   save.SetAction(arguments, Save);
-  for (const Command& command : {edits, undo, redo, save}) AddPlace(command, arguments);
+  for (const Command& command : {edits, undo, redo, release, save}) AddPlace(command, arguments);
 }
 
 std::string EditsText(const nlohmann::json& edits) {

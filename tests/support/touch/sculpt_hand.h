@@ -44,6 +44,8 @@ class SculptHand {
     if (++ticks_ % serve_every_ == 0) served_ = sculpt_session_.Poll();
   }
 
+  void Release() { sculpt_session_.Release(); }
+
   const Vec3& tip() const { return pen_.state.last_device_point_base_m; }
   const SculptToolState& state() const { return pen_.state.sculpted[0].tool; }
   const ServeReport& served() const { return served_; }

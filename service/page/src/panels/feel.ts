@@ -22,6 +22,7 @@ export class FeelPanel implements Panel {
   private readonly sliders = new Map<string, FieldSlider>();
   private readonly undo: HTMLButtonElement;
   private readonly redo: HTMLButtonElement;
+  private readonly release: HTMLButtonElement;
   private readonly save: HTMLButtonElement;
   private readonly chooser: HTMLElement;
   private readonly strokes: HTMLElement;
@@ -40,10 +41,14 @@ export class FeelPanel implements Panel {
     this.root = this.card.root;
     this.undo = makeButton('Undo', () => this.actions.send({ type: 'undo' }), { id: 'undo' });
     this.redo = makeButton('Redo', () => this.actions.send({ type: 'redo' }), { id: 'redo' });
+    this.release = makeButton('Let go', () => this.actions.send({ type: 'release' }), {
+      id: 'release',
+      title: 'Let go of the clay that the pen holds',
+    });
     this.save = makeButton('Save a copy as .glb', () => this.requestFile(), { id: 'save' });
     this.select.addEventListener('change', () => this.showMaterial());
     this.chooser = make('div', { class: 'chooser' }, make('label', { for: 'material' }, 'Material'), this.select);
-    this.strokes = make('div', { class: 'buttons' }, this.undo, this.redo);
+    this.strokes = make('div', { class: 'buttons' }, this.undo, this.redo, this.release);
     this.card.body.append(this.note, this.chooser, this.touched, this.fields, this.strokes);
     this.card.body.append(make('div', { class: 'buttons' }, this.save));
   }
@@ -81,7 +86,7 @@ export class FeelPanel implements Panel {
     setHidden(this.fields, !any);
     setHidden(this.strokes, !(own && (statusOf(state)?.scene?.sculpted ?? 0) > 0));
     setHidden(this.save, !own);
-    for (const button of [this.undo, this.redo]) button.disabled = !canControl(state);
+    for (const button of [this.undo, this.redo, this.release]) button.disabled = !canControl(state);
     this.fields.disabled = !canControl(state);
     this.save.disabled = !canControl(state) || this.saving !== 0;
     if (!canControl(state)) this.saving = 0; // no answer will come
