@@ -66,6 +66,7 @@ struct Material {
   double texture_amplitude_m = 0;  // vibrotactile texture
   double texture_wavelength_m = 0.001;
   double texture_gain = 1;
+  double relief_gain = 0;  // of the heights that the normalTexture stands for; 0: not felt
   double vibration_amplitude_N = 0;
   double vibration_frequency_Hz = 120;
   double pop_through_N = 0;  // 0: never
@@ -77,9 +78,15 @@ struct Material {
   std::int32_t stiffness_texture = -1;
   std::int32_t friction_texture = -1;      // of both frictions
   std::int32_t vibrotactile_texture = -1;  // of texture_amplitude_m
+  std::int32_t relief = -1;                // index into the scene's reliefs, -1: none
   Softness softness;
   Extrude extrude;
   Sculpt sculpt;
+
+  void ForgetImages() noexcept {
+    stiffness_texture = friction_texture = vibrotactile_texture = relief = -1;
+    relief_gain = 0;
+  }
 };
 static_assert(std::is_trivially_copyable_v<Material>);
 
@@ -142,6 +149,9 @@ inline constexpr auto kMaterialFields = std::to_array<MaterialField>({
      "texture gain",
      &MaterialParameters::texture_gain,
      1e-4},
+    {{"relief", "1", 0, 4, AccessMember<&Material::relief_gain>(),
+      "the glTF material's `normalTexture` is felt, its heights times this; 0: it is not read"},
+     "relief"},
     {{"vibration.amplitude", "N", 0, 2, AccessMember<&Material::vibration_amplitude_N>(), "while touched"},
      "vibration amplitude",
      &MaterialParameters::vibration_amplitude_N,
@@ -227,7 +237,7 @@ consteval std::size_t RowsOf(std::string_view part) {
   return static_cast<std::size_t>(std::count_if(kMaterialFields.begin(), kMaterialFields.end(),
                                                 [part](const auto& field) { return PartOf(field) == part; }));
 }
-static_assert(FieldCount<Material>() == RowsOf("") + 7, "smooth, three textures, three parts");
+static_assert(FieldCount<Material>() == RowsOf("") + 8, "smooth, three textures, relief, three parts");
 static_assert(FieldCount<Softness>() == RowsOf("softness") + 2, "model, fibre_direction_base");
 static_assert(FieldCount<Extrude>() == RowsOf("extrude") + 1, "enabled");
 static_assert(FieldCount<Sculpt>() == RowsOf("sculptable") + 3, "enabled, falloff, symmetry");

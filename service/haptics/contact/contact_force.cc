@@ -3,6 +3,7 @@
 #include "service/haptics/contact/contact_slots.h"
 #include "service/haptics/contact/effects.h"
 #include "service/haptics/contact/grating.h"
+#include "service/haptics/contact/relief.h"
 #include "service/haptics/contact/shading.h"
 #include "service/haptics/contact/soft_touch.h"
 #include "service/haptics/geometry/topology.h"
@@ -111,13 +112,25 @@ struct ContactModel {
     const VibrationEffect hum{m.vibration_amplitude_N, m.vibration_frequency_Hz};
     const double hum_N = hum.ForceOn(input.t_ns, elastic_N);
     const Grating grating{factors.ripple * m.texture_amplitude_m, m.texture_wavelength_m, m.texture_gain};
-    if (!grating.IsFelt()) return hum_N;
+    const bool has_relief = m.relief >= 0 && m.relief_gain > 0 && contact_scene.TableOf(contact.object) == nullptr;
+    if (!grating.IsFelt() && !has_relief) return hum_N;
     const SlidingTip tip{.place_m = contact.proxy_m,
                          .slip_m_s = SlipAlong(met.velocity_m_s, met.normal),
                          .ahead_s = bound.ahead_s,
                          .coil_lag_s = bound.coil_lag_s,
                          .dt_s = dt_s};
-    return hum_N + grating.ForceOn(tip, stiffness_N_m, elastic_N, contact.grating);
+    double ripple_N = hum_N;
+    if (grating.IsFelt()) {
+      ripple_N += grating.ForceOn(tip, stiffness_N_m, elastic_N, contact.grating);
+    } else {
+      FollowPlace(tip, contact.grating);
+    }
+    if (!has_relief) return ripple_N;
+    const Vec3 place_m = PlaceOfForce(tip, contact.grating);
+    const double height_m =
+        ReliefHeight(contact_scene.scene(), static_cast<std::uint32_t>(m.relief), contact_scene.surface(),
+                     contact.triangle, place_m, Norm(contact.grating.slip_m_s));
+    return ripple_N + ReliefForce(height_m, m.relief_gain, stiffness_N_m, elastic_N);
   }
 
   Vec3 Drag(const Material& m, const Object& object, const Vec3& velocity_m_s) const noexcept {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "service/haptics/deformable/local_model.h"
@@ -146,7 +147,6 @@ std::uint32_t Wrapped(std::int64_t i, std::uint32_t size, std::uint32_t wrap) no
 
 }  // namespace
 
-// Texel centres lie at (i + 1/2) / width: x = u' width - 1/2, between floor(x) and floor(x) + 1   (T.1), (T.2)
 float SampleTexture(const Scene& scene, std::int32_t index, std::uint32_t triangle,
                     const std::array<double, 3>& weights) noexcept {
   if (index < 0) return 1;
@@ -161,9 +161,14 @@ float SampleTexture(const Scene& scene, std::int32_t index, std::uint32_t triang
     v += weights[k] * static_cast<double>(corners[2 * k + 1]);
   }
   const double* t = texture.to_image;
-  const double x = (t[0] * u + t[1] * v + t[2]) * texture.width - 0.5;
-  const double y = (t[3] * u + t[4] * v + t[5]) * texture.height - 0.5;
-  if (!(std::abs(x) <= kMaxRepeats && std::abs(y) <= kMaxRepeats)) return 1;
+  const double texel = SampleTexels(scene, texture, t[0] * u + t[1] * v + t[2], t[3] * u + t[4] * v + t[5]);
+  return std::isfinite(texel) ? static_cast<float>(texel / 255) : 1;
+}
+
+// Texel centres lie at (i + 1/2) / width: x = u' width - 1/2, between floor(x) and floor(x) + 1   (T.1), (T.2)
+double SampleTexels(const Scene& scene, const Texture& texture, double u, double v) noexcept {
+  const double x = u * texture.width - 0.5, y = v * texture.height - 0.5;
+  if (!(std::abs(x) <= kMaxRepeats && std::abs(y) <= kMaxRepeats)) return std::numeric_limits<double>::quiet_NaN();
   const double x0 = std::floor(x), y0 = std::floor(y);
   const auto texel = [&](double i, double j) noexcept {
     const std::uint32_t column = Wrapped(static_cast<std::int64_t>(i), texture.width, texture.wrap_u);
@@ -173,7 +178,7 @@ float SampleTexture(const Scene& scene, std::int32_t index, std::uint32_t triang
   const double fx = x - x0, fy = y - y0;
   const double upper = (1 - fx) * texel(x0, y0) + fx * texel(x0 + 1, y0);
   const double lower = (1 - fx) * texel(x0, y0 + 1) + fx * texel(x0 + 1, y0 + 1);
-  return static_cast<float>(((1 - fy) * upper + fy * lower) / 255);
+  return (1 - fy) * upper + fy * lower;
 }
 
 }  // namespace omni::haptics

@@ -86,4 +86,8 @@ Vec3 AnchorPosition(const View& view, const ContactState& contact) noexcept {
 float SampleTexture(const Scene& scene, std::int32_t texture, std::uint32_t triangle,
                     const std::array<double, 3>& weights) noexcept;
 
+// In [0, 255], bilinear, at (u, v) of an image, (0, 0) its upper left corner and (1, 1) its lower right one. Not a
+// number where they are not finite or beyond a billion repeats.
+double SampleTexels(const Scene& scene, const Texture& texture, double u, double v) noexcept;
+
 }  // namespace omni::haptics

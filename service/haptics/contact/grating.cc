@@ -8,8 +8,6 @@ namespace omni::haptics {
 namespace {
 
 constexpr double kMost_N = 0.1;
-constexpr double kFade_Hz = 200;                          // full below ...
-constexpr double kStop_Hz = 250;                          // ... and nothing above: neither coil nor tick follow
 constexpr double kPace_s = 0.08;                          // of the speed that decides whether the tip moves
 constexpr double kRests_m_s = 1.5e-3, kMoves_m_s = 4e-3;  // nothing below, full above: what is left of a tremor
 constexpr double kTurned = 0.94;                          // cosine, 20 degrees: another direction
@@ -37,6 +35,8 @@ Vec3 NearestLine(const Vec3& direction) noexcept {
   return sign < 0 ? -1 * line : line;
 }
 
+}  // namespace
+
 // The place is filtered by a second order of frequency w and damping 1 / sqrt(2). The faster the tip, the closer it is
 // followed: noise counts less there, and what a stroke's acceleration a delays, a / w^2, more.   (6.1)
 void FollowPlace(const SlidingTip& tip, GratingState& state) noexcept {
@@ -54,6 +54,12 @@ void FollowPlace(const SlidingTip& tip, GratingState& state) noexcept {
   state.slip_m_s = state.slip_m_s + (tip.dt_s * w * w) * off;
   state.pace_m_s = state.pace_m_s + std::min(1.0, tip.dt_s / kPace_s) * (state.slip_m_s - state.pace_m_s);
 }
+
+Vec3 PlaceOfForce(const SlidingTip& tip, const GratingState& state) noexcept {
+  return state.place_m + (tip.ahead_s + kLate_s) * state.slip_m_s;
+}
+
+namespace {
 
 // Turns at the place, across the ridges.
 double TurnsAt(double wavelength_m, const GratingState& state) noexcept {
@@ -100,7 +106,7 @@ double Grating::ForceOn(const SlidingTip& tip, double stiffness_N_m, double norm
   if (!(moves > 0)) return 0;
   const double along_m_s = Dot(state.slip_m_s, state.across);
   const double frequency_Hz = std::abs(along_m_s) / wavelength_m;
-  const double follows = std::clamp((kStop_Hz - frequency_Hz) / (kStop_Hz - kFade_Hz), 0.0, 1.0);
+  const double follows = std::clamp((kRippleStop_Hz - frequency_Hz) / (kRippleStop_Hz - kRippleFade_Hz), 0.0, 1.0);
   const double amplitude_N = std::min({gain * stiffness_N_m * amplitude_m, kMost_N, 0.5 * normal_force_N});
   const double turns = TurnsAt(wavelength_m, state) + (tip.ahead_s + kLate_s) * along_m_s / wavelength_m;
   return moves * follows * BoostAt(frequency_Hz, tip) * amplitude_N * std::cos(2 * std::numbers::pi * Wrapped(turns));

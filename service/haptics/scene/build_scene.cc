@@ -303,6 +303,18 @@ BuiltObject BuildObject(SceneInput& input, std::size_t index, BuildReport& repor
   return built;
 }
 
+Texture TextureOf(const InputTexture& from, std::uint32_t first_texel, std::uint32_t width, std::uint32_t height) {
+  Texture texture{};
+  std::copy(from.to_image.begin(), from.to_image.end(), texture.to_image);
+  texture.first_texel = first_texel;
+  texture.width = width;
+  texture.height = height;
+  texture.uv_set = from.uv_set;
+  texture.wrap_u = static_cast<std::uint32_t>(from.wrap_u);
+  texture.wrap_v = static_cast<std::uint32_t>(from.wrap_v);
+  return texture;
+}
+
 void AddTextures(const SceneInput& input, SceneParts& parts) {
   std::vector<std::uint32_t> first_texel;
   for (const InputImage& image : input.images) {
@@ -310,15 +322,17 @@ void AddTextures(const SceneInput& input, SceneParts& parts) {
     parts.texels.insert(parts.texels.end(), image.texels.begin(), image.texels.end());
   }
   for (const InputTexture& from : input.textures) {
-    Texture texture{};
-    std::copy(from.to_image.begin(), from.to_image.end(), texture.to_image);
-    texture.first_texel = first_texel[from.image];
-    texture.width = input.images[from.image].width;
-    texture.height = input.images[from.image].height;
-    texture.uv_set = from.uv_set;
-    texture.wrap_u = static_cast<std::uint32_t>(from.wrap_u);
-    texture.wrap_v = static_cast<std::uint32_t>(from.wrap_v);
-    parts.textures.push_back(texture);
+    const InputImage& image = input.images[from.image];
+    parts.textures.push_back(TextureOf(from, first_texel[from.image], image.width, image.height));
+  }
+  for (const InputRelief& from : input.reliefs) {
+    Relief relief{};
+    relief.finest = TextureOf(from.texture, first_texel[from.texture.image], from.width, from.height);
+    relief.image_width = from.image_width;
+    relief.image_height = from.image_height;
+    relief.bands = static_cast<std::uint32_t>(from.steps.size());
+    std::copy(from.steps.begin(), from.steps.end(), relief.step);
+    parts.reliefs.push_back(relief);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "service/haptics/scene/check_scene.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstdio>
 
 #include "service/base/material.h"
@@ -18,6 +19,30 @@ using base::Status;
 
 constexpr double kLargestNumber = 1e12;  // of a material
 
+bool IsSound(const InputTexture& texture, const SceneInput& input) {
+  const bool numbers = std::all_of(texture.to_image.begin(), texture.to_image.end(),
+                                   [](double x) { return std::abs(x) <= kMaxTextureTransform; });
+  return texture.image < input.images.size() && texture.uv_set < kMaxUvSets && numbers;
+}
+
+Status CheckReliefs(const SceneInput& input) {
+  if (input.reliefs.size() > kMaxReliefs) {
+    return Error{"reliefs: " + std::to_string(input.reliefs.size()) + ", the limit is " + std::to_string(kMaxReliefs)};
+  }
+  const auto is_side = [](std::uint32_t side) { return std::has_single_bit(side) && side <= kMaxReliefSide; };
+  for (const InputRelief& relief : input.reliefs) {
+    const bool steps = std::all_of(relief.steps.begin(), relief.steps.end(),
+                                   [](float step) { return std::abs(step) <= kMaxReliefStep; });
+    if (!(is_side(relief.width) && is_side(relief.height) && relief.image_width > 0 && relief.image_height > 0 &&
+          relief.steps.size() <= kMaxReliefBands && steps && IsSound(relief.texture, input) &&
+          input.images[relief.texture.image].texels.size() ==
+              ReliefTexels(relief.width, relief.height, relief.steps.size()))) {
+      return Error{"relief: its size, bands, image, coordinate set or transform is out of range"};
+    }
+  }
+  return Ok{};
+}
+
 Status CheckTextures(const SceneInput& input) {
   std::uint64_t texels = 0;
   for (const InputImage& image : input.images) {
@@ -32,13 +57,12 @@ Status CheckTextures(const SceneInput& input) {
                  " texels, the limits are " + std::to_string(kMaxTextures) + " and " + std::to_string(kMaxTexels)};
   }
   for (const InputTexture& texture : input.textures) {
-    const bool numbers = std::all_of(texture.to_image.begin(), texture.to_image.end(),
-                                     [](double x) { return std::abs(x) <= kMaxTextureTransform; });
-    if (!(texture.image < input.images.size() && texture.uv_set < kMaxUvSets && numbers)) {
-      return Error{"texture: its image, coordinate set or transform is out of range"};
-    }
+    if (!IsSound(texture, input)) return Error{"texture: its image, coordinate set or transform is out of range"};
   }
+  if (const Status reliefs = CheckReliefs(input); !reliefs.ok()) return reliefs;
   for (const Material& m : input.materials) {
+    if (!(m.relief >= -1 && m.relief < static_cast<std::int64_t>(input.reliefs.size())))
+      return Error{"material: uses relief " + std::to_string(m.relief) + " of " + std::to_string(input.reliefs.size())};
     for (const std::int32_t index : {m.stiffness_texture, m.friction_texture, m.vibrotactile_texture}) {
       if (index != -1 && !(index >= 0 && static_cast<std::size_t>(index) < input.textures.size())) {
         return Error{"material: uses texture " + std::to_string(index) + " of " +

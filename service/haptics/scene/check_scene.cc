@@ -48,11 +48,12 @@ Status CheckHeader(const Scene& scene) {
       Fits<WallNode>(h.wall_nodes, h.wall_node_count, h.bytes) &&
       Fits<WallSegment>(h.wall_segments, h.wall_segment_count, h.bytes) &&
       Fits<Object>(h.objects, h.object_count, h.bytes) && Fits<Region>(h.regions, h.region_count, h.bytes) &&
-      Fits<Texture>(h.textures, h.texture_count, h.bytes) && Fits<std::uint8_t>(h.texels, h.texel_count, h.bytes) &&
-      Fits<CornerUv>(h.uvs, h.uv_count, h.bytes);
+      Fits<Texture>(h.textures, h.texture_count, h.bytes) && Fits<Relief>(h.reliefs, h.relief_count, h.bytes) &&
+      Fits<std::uint8_t>(h.texels, h.texel_count, h.bytes) && Fits<CornerUv>(h.uvs, h.uv_count, h.bytes);
   if (!fits) return Error{"has a part that lies outside the block"};
   if (h.object_count > kMaxObjects || h.region_count > kMaxRegions || h.triangle_count > kMaxTriangles ||
-      h.material_count == 0 || h.texture_count > kMaxTextures || h.texel_count > kMaxTexels) {
+      h.material_count == 0 || h.texture_count > kMaxTextures || h.relief_count > kMaxReliefs ||
+      h.texel_count > kMaxTexels) {
     return Error{"has a count over its limit"};
   }
   if (h.has_joystick > 1 || h.has_vehicle > 1 || !EndsInside(h.name)) return Error{"has a damaged header"};
@@ -81,6 +82,14 @@ bool SoundBytes(const Material& m) {
          byte_of(m.sculpt.enabled) <= 1 && byte_of(m.sculpt.falloff) <= 2 && byte_of(m.sculpt.symmetry) <= 3;
 }
 
+bool IsSound(const Texture& t, std::uint64_t texels, const Scene& scene) {
+  const bool numbers = std::all_of(std::begin(t.to_image), std::end(t.to_image),
+                                   [](double x) { return std::abs(x) <= kMaxTextureTransform; });
+  return numbers && t.width > 0 && t.height > 0 && t.first_texel <= scene.header().texel_count &&
+         texels <= scene.header().texel_count - t.first_texel && t.uv_set < kMaxUvSets && t.wrap_u <= 2 &&
+         t.wrap_v <= 2;
+}
+
 Status CheckMaterials(const Scene& scene) {
   for (const Material& m : scene.materials()) {
     if (!SoundBytes(m) || !CheckMaterial(m, 0).ok()) return Error{"has a material out of range"};
@@ -88,16 +97,19 @@ Status CheckMaterials(const Scene& scene) {
       if (!(texture == -1 || (texture >= 0 && static_cast<std::uint32_t>(texture) < scene.header().texture_count)))
         return Error{"has a material with a missing texture"};
     }
+    if (!(m.relief == -1 || (m.relief >= 0 && static_cast<std::uint32_t>(m.relief) < scene.header().relief_count)))
+      return Error{"has a material with a missing relief"};
   }
   for (const Texture& t : scene.textures()) {
-    const bool numbers = std::all_of(std::begin(t.to_image), std::end(t.to_image),
-                                     [](double x) { return std::abs(x) <= kMaxTextureTransform; });
-    const std::uint64_t texels = std::uint64_t{t.width} * std::uint64_t{t.height};
-    if (!(numbers && texels > 0 && t.first_texel <= scene.header().texel_count &&
-          texels <= scene.header().texel_count - t.first_texel && t.uv_set < kMaxUvSets && t.wrap_u <= 2 &&
-          t.wrap_v <= 2)) {
-      return Error{"has a damaged texture"};
-    }
+    if (!IsSound(t, std::uint64_t{t.width} * std::uint64_t{t.height}, scene)) return Error{"has a damaged texture"};
+  }
+  for (const Relief& r : scene.reliefs()) {
+    const bool sides = r.finest.width <= kMaxReliefSide && r.finest.height <= kMaxReliefSide && r.image_width > 0 &&
+                       r.image_height > 0 && r.bands <= kMaxReliefBands;
+    const bool steps =
+        std::all_of(std::begin(r.step), std::end(r.step), [](float step) { return std::abs(step) <= kMaxReliefStep; });
+    if (!(sides && steps && IsSound(r.finest, ReliefTexels(r.finest.width, r.finest.height, r.bands), scene)))
+      return Error{"has a damaged relief"};
   }
   return Ok{};
 }

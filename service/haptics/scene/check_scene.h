@@ -22,6 +22,7 @@ base::Status CheckVehicle(const VehicleInput& vehicle);
 base::Status CheckMaterial(const Material& material, std::size_t index);
 
 inline constexpr double kMaxTipRadius_m = 0.01;
+inline constexpr float kMaxReliefStep = 1e4F;        // of a band of a relief, texels
 inline constexpr double kMaxTextureTransform = 1e6;  // of each number of InputTexture::to_image
 
 // Six digits; for messages.

@@ -63,6 +63,13 @@ struct Texture {
   std::uint32_t wrap_u, wrap_v;  // Wrap
 };
 
+// As InputRelief: its bands lie one after the other.
+struct Relief {
+  Texture finest;
+  std::uint32_t image_width, image_height, bands;
+  float step[kMaxReliefBands];
+};
+
 // Triangles of one connected extrudable face; its vertices move along `normal` by the offset kept in State.
 struct Region {
   base::Vec3 normal;  // unit, outwards
@@ -90,10 +97,10 @@ struct SceneHeader {
   std::uint32_t version;
   std::uint64_t bytes;
   std::uint32_t vertex_count, region_of_count, triangle_count, node_count, object_count, region_count, material_count;
-  std::uint32_t wall_node_count, wall_segment_count, texture_count, texel_count, uv_count;
-  std::uint32_t has_joystick, has_vehicle;
+  std::uint32_t wall_node_count, wall_segment_count, texture_count, relief_count, texel_count, uv_count;
+  std::uint32_t has_joystick, has_vehicle, reserved;
   std::uint64_t vertices, region_of, triangles, nodes, objects, regions, materials, wall_nodes, wall_segments, textures,
-      texels, uvs;  // offsets from the block's start
+      reliefs, texels, uvs;  // offsets from the block's start
   JoystickInput joystick;
   double detent_curvature_N_m;  // stiffest direction of the joystick's notches, at any place
   VehicleInput vehicle;
@@ -143,6 +150,7 @@ class Scene {
   std::span<const Texture> textures() const noexcept {
     return View<Texture>(header().textures, header().texture_count);
   }
+  std::span<const Relief> reliefs() const noexcept { return View<Relief>(header().reliefs, header().relief_count); }
   std::span<const std::uint8_t> texels() const noexcept {
     return View<std::uint8_t>(header().texels, header().texel_count);
   }

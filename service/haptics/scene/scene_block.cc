@@ -61,8 +61,8 @@ Scene MakeScene(SceneParts parts, const base::WorkWatch& watch) {
       Writer::Aligned<Triangle>(parts.triangles.size()) + Writer::Aligned<TreeNode>(parts.nodes.size()) +
       Writer::Aligned<Object>(parts.objects.size()) + Writer::Aligned<Region>(parts.regions.size()) +
       Writer::Aligned<WallNode>(parts.wall_nodes.size()) + Writer::Aligned<WallSegment>(parts.wall_segments.size()) +
-      Writer::Aligned<Texture>(parts.textures.size()) + Writer::Aligned<std::uint8_t>(parts.texels.size()) +
-      Writer::Aligned<CornerUv>(parts.uvs.size());
+      Writer::Aligned<Texture>(parts.textures.size()) + Writer::Aligned<Relief>(parts.reliefs.size()) +
+      Writer::Aligned<std::uint8_t>(parts.texels.size()) + Writer::Aligned<CornerUv>(parts.uvs.size());
   Writer writer(bytes, watch);
   SceneHeader header = parts.header;
   header.magic = kSceneMagic;
@@ -78,6 +78,7 @@ Scene MakeScene(SceneParts parts, const base::WorkWatch& watch) {
   header.wall_node_count = static_cast<std::uint32_t>(parts.wall_nodes.size());
   header.wall_segment_count = static_cast<std::uint32_t>(parts.wall_segments.size());
   header.texture_count = static_cast<std::uint32_t>(parts.textures.size());
+  header.relief_count = static_cast<std::uint32_t>(parts.reliefs.size());
   header.texel_count = static_cast<std::uint32_t>(parts.texels.size());
   header.uv_count = static_cast<std::uint32_t>(parts.uvs.size());
   writer.Skip(header_bytes);
@@ -91,6 +92,7 @@ Scene MakeScene(SceneParts parts, const base::WorkWatch& watch) {
   header.wall_nodes = writer.Put(parts.wall_nodes);
   header.wall_segments = writer.Put(parts.wall_segments);
   header.textures = writer.Put(parts.textures);
+  header.reliefs = writer.Put(parts.reliefs);
   header.texels = writer.Put(parts.texels);
   header.uvs = writer.Put(parts.uvs);
   writer.PutHeader(header, header_bytes);

@@ -8,7 +8,7 @@
 namespace omni::haptics {
 
 inline constexpr std::uint32_t kSceneMagic = 0x31534D4F;  // "OMS1"
-inline constexpr std::uint32_t kSceneVersion = 7;
+inline constexpr std::uint32_t kSceneVersion = 8;
 
 struct SceneParts {
   SceneHeader header{};
@@ -22,6 +22,7 @@ struct SceneParts {
   std::vector<WallNode> wall_nodes;
   std::vector<WallSegment> wall_segments;
   std::vector<Texture> textures;
+  std::vector<Relief> reliefs;
   std::vector<std::uint8_t> texels;
   std::vector<CornerUv> uvs;
 };

@@ -2,6 +2,7 @@
 // nothing of haptics) and haptics/ (BuildScene welds, orients, indexes).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -98,12 +99,33 @@ struct InputTexture {
   std::array<double, 6> to_image{1, 0, 0, 0, 1, 0};  // u' = t0 u + t1 v + t2, v' = t3 u + t4 v + t5
 };
 
+inline constexpr std::size_t kMaxReliefBands = 11;     // 1024 down to 1 texels wide
+inline constexpr std::uint32_t kMaxReliefSide = 1024;  // texels; larger images are averaged
+
+// Heights as bands, the finest first, each half as wide and high as the one before, down to one texel. A texel t of a
+// band stands for (t - 128) x its step, in widths of a texel of the image   (T.3).
+struct InputRelief {
+  std::uint32_t width = 0, height = 0;  // of the finest band: powers of two, at most kMaxReliefSide
+  std::uint32_t image_width = 0, image_height = 0;
+  std::vector<float> steps;  // one per band
+  InputTexture texture;      // its image has one row: the texels of all bands, one after the other
+};
+
+// Texels of all bands.
+constexpr std::uint64_t ReliefTexels(std::uint32_t width, std::uint32_t height, std::size_t bands) noexcept {
+  std::uint64_t sum = 0;
+  for (std::size_t k = 0; k < bands; ++k)
+    sum += std::uint64_t{std::max(width >> k, 1U)} * std::uint64_t{std::max(height >> k, 1U)};
+  return sum;
+}
+
 struct SceneInput {
   std::string name;
   std::vector<Material> materials;  // at least one
   std::vector<InputObject> objects;
   std::vector<InputImage> images;
   std::vector<InputTexture> textures;
+  std::vector<InputRelief> reliefs;
   double tip_radius_m = 0;  // [0, 0.01]: the tip is a ball of this radius; 0: a point
   std::optional<JoystickInput> joystick;
   std::optional<VehicleInput> vehicle;

@@ -13,8 +13,7 @@ SceneInput SculptedScene(const Scene& scene, const LiveParts& live) {
     for (std::uint16_t& m : mesh.material) {
       if (renamed[m] == kNoIndex) {
         renamed[m] = static_cast<std::uint32_t>(saved.materials.size());
-        Material& material = saved.materials.emplace_back(scene.materials()[m]);
-        material.stiffness_texture = material.friction_texture = material.vibrotactile_texture = -1;
+        saved.materials.emplace_back(scene.materials()[m]).ForgetImages();
       }
       m = static_cast<std::uint16_t>(renamed[m]);
     }
