@@ -4,6 +4,7 @@
 
 #include "service/haptics/geometry/mesh_repair.h"
 #include "service/haptics/scene/scene.h"
+#include "service/scene/tags/relief_image.h"
 
 namespace omni::scene {
 namespace {
@@ -52,8 +53,8 @@ BuildEstimate EstimateBuild(const SceneCounts& counts) {
   const std::uint64_t document = parsed + counts.nodes * kPerNode + counts.primitives * kPerPrimitive;
   const std::uint64_t decoded = counts.mesh_vertices * sizeof(base::Vec3) + counts.mesh_triangles * 16 +
                                 UvBytes(counts.mesh_uv_triangles) + counts.texels;
-  const std::uint64_t reading =
-      2 * counts.mesh_bytes + counts.image_bytes + 3 * counts.largest_image_samples + 2 * decoded;
+  const std::uint64_t reading = 2 * counts.mesh_bytes + counts.image_bytes + 3 * counts.largest_image_samples +
+                                2 * decoded + (counts.any_relief ? kReliefWorkBytes : 0);
   estimate.peak_bytes = kFixed + document + std::max({reading, decoded + input, built});
   estimate.peak_bytes = std::max(estimate.peak_bytes, estimate.kept_bytes + live_peak);
   return estimate;

@@ -23,6 +23,7 @@ struct SceneCounts {
   std::uint64_t mesh_uv_triangles = 0;                  // the same, for each set of texture coordinates
   std::uint64_t image_bytes = 0, texels = 0;            // stored; of all images
   std::uint64_t largest_image_samples = 0;              // texels times channels, of one image
+  bool any_relief = false;
 };
 
 // Upper bounds. For some thousand triangles and more, of which repair drops few, less than twice what it is; a soft

@@ -77,6 +77,7 @@ class SceneReader::Loader {
     counts.image_bytes = images.stored_bytes;
     counts.texels = images.texels;
     counts.largest_image_samples = images.largest_samples;
+    counts.any_relief = images.any_relief;
     for (const MeshRequest& request : requests_->meshes()) {
       std::size_t i = 0;
       counts.mesh_bytes += requests_->ShapeBytes(request) + DracoBytes(file_.root(), request.mesh);
@@ -368,7 +369,7 @@ class SceneReader::Loader {
         material.softness.fibre_direction_base = {d.x / length, d.y / length, d.z / length};
     }
     std::int32_t* const fields[] = {&material.stiffness_texture, &material.friction_texture,
-                                    &material.vibrotactile_texture};
+                                    &material.vibrotactile_texture, &material.relief};
     for (std::size_t role = 0; role < kTextureRoles; ++role) {
       const std::shared_ptr<const TextureUse>& use = tag.textures[role];
       if (!use) continue;
@@ -376,7 +377,8 @@ class SceneReader::Loader {
         *fields[role] = textures_.IndexOf(*use, input_);
       } else {
         warnings_.Add(primitive.pointer, "has no TEXCOORD_" + std::to_string(use->uv_set) + " for the texture of " +
-                                             use->pointer + ": 1 is used everywhere");
+                                             use->pointer +
+                                             (role == kRelief ? ": it is not felt" : ": 1 is used everywhere"));
       }
     }
     return material;

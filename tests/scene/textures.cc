@@ -2,13 +2,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include <stb/stb_image_write.h>
 
 #include "service/haptics/contact/effects.h"
+#include "service/haptics/contact/relief.h"
 #include "service/haptics/scene/check_scene.h"
 #include "service/haptics/scene/scene.h"
 #include "service/scene/load_scene.h"
+#include "tests/haptics/scenario.h"
 #include "tests/scene/files.h"
 
 namespace omni::scene::test {
@@ -318,5 +321,134 @@ TEST(SceneTextures, DamagedImagesAreDecodedOrNotUsed) {
   EXPECT_LT(used, 600);
 }
 
+// What a material's normalTexture shows is what is felt: the square as the picture of a relief, by formula.
+namespace relief {
+
+constexpr int kPixels = 64;
+constexpr double kSide_m = 0.02, kHigh_m = 2e-4, kLong_m = 0.005, kBroad_m = 0.01;
+
+double HeightAt(double x, double y) {
+  return kHigh_m * (std::sin(2 * std::numbers::pi * x / kLong_m) + 0.5 * std::cos(2 * std::numbers::pi * y / kBroad_m));
+}
+
+// Normals of the relief; green is up, which is towards -y.
+std::string Normals() {
+  Pixels pixels;
+  for (int row = 0; row < kPixels; ++row) {
+    for (int column = 0; column < kPixels; ++column) {
+      const double x = kSide_m * (column + 0.5) / kPixels, y = kSide_m * (row + 0.5) / kPixels, e = 1e-7;
+      const double along_x = (HeightAt(x + e, y) - HeightAt(x - e, y)) / (2 * e);
+      const double along_y = (HeightAt(x, y + e) - HeightAt(x, y - e)) / (2 * e);
+      const double length = std::hypot(1, along_x, along_y);
+      for (const double n : {-along_x / length, along_y / length, 1 / length})
+        pixels.push_back(static_cast<unsigned char>(std::lround(127.5 * (n + 1))));
+    }
+  }
+  return Png(kPixels, kPixels, 3, pixels);
+}
+
+Model Plate(const std::string& image, const Json& haptic = {{"relief", 1}, {"staticFriction", 0}}) {
+  Model model = Square(image);
+  model.json["extensions"].clear();
+  model.json["scenes"][0]["extras"] = {{"haptic", {{"tip", {{"radius", 0}}}}}};
+  model.json["meshes"][0].erase("extensions");
+  model.json["meshes"][0]["primitives"][0]["material"] = 0;
+  model.json["materials"] = {{{"normalTexture", {{"index", 0}}}, {"extras", {{"haptic", haptic}}}}};
+  return model;
+}
+
+TEST(SceneRelief, HasTheHeightsOfTheNormals) {
+  const Rendered rendered = Render(Plate(Normals()));
+  ASSERT_EQ(rendered.error, "");
+  EXPECT_EQ(WarningsOf(rendered), "");
+  ASSERT_EQ(rendered.scene.reliefs().size(), 1U);
+  const haptics::Surface surface(rendered.scene, {});
+  haptics::Random random(7);
+  for (int k = 0; k < 500; ++k) {
+    const base::Vec3 place{random.Uniform(0, kSide_m), random.Uniform(0, kSide_m), 0.05};
+    for (std::uint32_t t = 0; t < 2; ++t) {  // either triangle: they lie in one plane
+      const double height_m = haptics::ReliefHeight(rendered.scene, 0, surface, t, place, 0);
+      // 8 bits leave a slope known to 0.004: over half a wave along x and y, 10 um each at most.
+      ASSERT_NEAR(height_m, HeightAt(place.x, place.y), 2e-5) << k;
+    }
+    EXPECT_EQ(haptics::ReliefHeight(rendered.scene, 0, surface, 0, place, 1e6), 0) << "too fast to follow";
+  }
+}
+
+TEST(SceneRelief, IsFeltAlongAStroke) {
+  for (const double relief : {0.0, 1.0}) {
+    Rendered rendered = Render(Plate(Normals(), {{"relief", relief}, {"staticFriction", 0}}));
+    ASSERT_EQ(rendered.error, "");
+    EXPECT_EQ(rendered.load.images_decoded, relief > 0 ? 1U : 0U);
+    haptics::Pen pen(std::move(rendered.scene));
+    constexpr double kDeep_m = 8e-4, kSpeed_m_s = 0.04;
+    pen.MoveTo({0.001, 0.0077, 0.052});
+    pen.Slide({0.001, 0.0077, 0.052}, {0.001, 0.0077, 0.05 - kDeep_m}, 200);
+    double felt2 = 0, true2 = 0, both = 0;
+    for (double x = 0.001; x < 0.019; x += 1e-3 * kSpeed_m_s) {
+      pen.MoveTo({x, 0.0077, 0.05 - kDeep_m});
+      const double height_m = HeightAt(x, 0.0077) - HeightAt(0, 0.0077);
+      if (x < 0.006) continue;  // the place is not followed yet
+      const double ripple_N = pen.output.force_base_N.z - 400 * (kDeep_m + HeightAt(0, 0.0077));
+      felt2 += relief > 0 ? ripple_N * ripple_N : 0;
+      true2 += height_m * height_m;
+      both += ripple_N * height_m;
+      if (relief == 0) {
+        ASSERT_NEAR(pen.output.force_base_N.z, 400 * kDeep_m, 1e-3);
+      }
+    }
+    if (relief == 0) continue;
+    EXPECT_GT(both / std::sqrt(felt2 * true2), 0.95);
+    EXPECT_NEAR(std::sqrt(felt2 / true2), 400, 60) << "N/m: stiffness times height";
+  }
+}
+
+TEST(SceneRelief, WhatIsNotThereIsNotFelt) {
+  struct Case {
+    void (*change)(Model&);
+    std::string image, warning;
+  };
+  const Case cases[] = {
+      {[](Model& m) { m.json["materials"][0].erase("normalTexture"); }, Normals(), "no relief to feel: "},
+      {[](Model& m) { m.json["materials"][0]["normalTexture"]["scale"] = 1e9; }, Normals(), "is not within 100"},
+      {[](Model& m) { m.json["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0"); }, Normals(),
+       "it is not felt"},
+      {[](Model&) {}, Png(2, 2, 1, {1, 2, 3, 4}), "is gray"},
+      {[](Model&) {}, "no image", "is neither PNG nor JPEG"},
+  };
+  for (const Case& c : cases) {
+    Model model = Plate(c.image);
+    c.change(model);
+    const Rendered rendered = Render(model);
+    ASSERT_EQ(rendered.error, "") << c.warning;
+    EXPECT_NE(WarningsOf(rendered).find(c.warning), std::string::npos) << WarningsOf(rendered);
+    EXPECT_EQ(rendered.scene.materials()[rendered.scene.triangles()[0].material].relief, -1) << c.warning;
+  }
+}
+
+// Flat, upright and inward normals, one texel, odd sizes: finite heights.
+TEST(SceneRelief, IsFiniteForAnyImage) {
+  haptics::Random random(11);
+  for (int k = 0; k < 60; ++k) {
+    const int width = 1 + static_cast<int>(random.Next() % 40), height = 1 + static_cast<int>(random.Next() % 40);
+    Pixels pixels(static_cast<std::size_t>(3 * width * height));
+    for (unsigned char& p : pixels) p = static_cast<unsigned char>(k % 3 == 0 ? 0 : random.Next());
+    const Rendered rendered = Render(Plate(Png(width, height, 3, pixels)));
+    ASSERT_EQ(rendered.error, "") << width << " x " << height;
+    if (width == 1 && height == 1) {
+      EXPECT_TRUE(rendered.scene.reliefs().empty());
+      continue;
+    }
+    ASSERT_EQ(rendered.scene.reliefs().size(), 1U) << width << " x " << height;
+    const haptics::Surface surface(rendered.scene, {});
+    for (int i = 0; i < 20; ++i) {
+      const base::Vec3 place{random.Uniform(0, kSide_m), random.Uniform(0, kSide_m), 0.05};
+      const double height_m = haptics::ReliefHeight(rendered.scene, 0, surface, 0, place, 0);
+      ASSERT_LT(std::abs(height_m), kSide_m) << width << " x " << height;
+    }
+  }
+}
+
+}  // namespace relief
 }  // namespace test_scene_textures
 }  // namespace omni::scene::test

@@ -236,8 +236,7 @@ std::string MaterialsGlb(const std::vector<haptics::Material>& materials) {
                                   {{x_m, 0, z_m}, {x_m + kSpacing_m / 2, 0, z_m}, {x_m, kSpacing_m / 2, z_m}});
     object.triangles.push_back({first, first + 1, first + 2});
     object.triangle_material.push_back(static_cast<std::uint16_t>(k));
-    haptics::Material& material = scene.materials.emplace_back(materials[k]);
-    material.stiffness_texture = material.friction_texture = material.vibrotactile_texture = -1;
+    scene.materials.emplace_back(materials[k]).ForgetImages();
   }
   const base::Result<std::string> glb = GlbBytes(scene);
   return glb.ok() ? *glb : std::string();
@@ -258,7 +257,7 @@ base::Result<std::vector<haptics::Material>> MaterialsOf(const std::string& glb)
       const auto k = static_cast<std::size_t>(place);
       if (materials.size() <= k) materials.resize(k + 1);
       materials[k] = loaded->materials[material];
-      materials[k].stiffness_texture = materials[k].friction_texture = materials[k].vibrotactile_texture = -1;
+      materials[k].ForgetImages();
     }
   }
   return materials;

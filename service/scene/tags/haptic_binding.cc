@@ -168,7 +168,19 @@ HapticTag Binding::TagOf(const NodeVisit& node, std::uint32_t primitive) {
   tag.OverrideBy(Physics(node));
   tag.OverrideBy(MeshExtension(*node.mesh));
   if (material) tag.OverrideBy(MaterialExtension(*material));
+  const double relief = tag.material.Get(base::IndexOfKey(base::kMaterialFields, "relief")).value_or(0);
+  if (material && relief > 0) tag.textures[kRelief] = NormalTexture(*material);
   return tag;
+}
+
+std::shared_ptr<const TextureUse> Binding::NormalTexture(std::uint32_t material) {
+  const auto [place, fresh] = normal_textures_.try_emplace(material);
+  if (fresh) {
+    auto use = ReadNormalTexture(root_, ElementOf(root_, "materials", material), JoinPointer("/materials", material),
+                                 warnings_);
+    if (use) place->second = std::make_shared<const TextureUse>(std::move(*use));
+  }
+  return place->second;
 }
 
 std::uint16_t Binding::MaterialIndex(const haptics::Material& material, const std::string& pointer) {

@@ -45,6 +45,7 @@ class Binding {
   const HapticTag& MaterialExtension(std::uint32_t material);
   const HapticTag& Physics(const NodeVisit& node);
   const HapticTag& MpegMaterial(const char* extension, const Json& user, const std::string& pointer, const char* key);
+  std::shared_ptr<const TextureUse> NormalTexture(std::uint32_t material);
   std::optional<std::uint32_t> MaterialOfPrimitive(std::uint32_t mesh, std::uint32_t primitive);
   bool MeshTagged(std::uint32_t mesh);
 
@@ -56,6 +57,7 @@ class Binding {
   Warnings& warnings_;
   std::map<std::string, std::unique_ptr<const HapticTag>> cache_;  // each place is read, and warned about, once
   std::map<std::uint32_t, bool> tagged_meshes_;
+  std::map<std::uint32_t, std::shared_ptr<const TextureUse>> normal_textures_;  // by material; null: none
   std::vector<haptics::Material> materials_;
   std::map<std::vector<double>, std::uint16_t> numbers_;  // of materials_, by their fields
 };

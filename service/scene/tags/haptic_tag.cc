@@ -453,7 +453,8 @@ std::vector<double> FieldsOf(const haptics::Material& m) {
                                 z,
                                 static_cast<double>(m.stiffness_texture),
                                 static_cast<double>(m.friction_texture),
-                                static_cast<double>(m.vibrotactile_texture)};
+                                static_cast<double>(m.vibrotactile_texture),
+                                static_cast<double>(m.relief)};
   fields.reserve(fields.size() + base::kMaterialFields.size());
   for (const auto& row : base::kMaterialFields) fields.push_back(row.Get(m));
   return fields;

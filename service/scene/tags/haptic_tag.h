@@ -68,14 +68,16 @@ struct TextureUse {
   std::uint32_t uv_set = 0;
   haptics::Wrap wrap_u = haptics::Wrap::kRepeat, wrap_v = haptics::Wrap::kRepeat;
   std::array<double, 6> to_image{1, 0, 0, 0, 1, 0};
+  bool as_relief = false;   // its image holds normals
+  double relief_scale = 1;  // of their slopes
   std::string pointer;
 
   bool operator==(const TextureUse& other) const {  // the same to the tick
     return image == other.image && uv_set == other.uv_set && wrap_u == other.wrap_u && wrap_v == other.wrap_v &&
-           to_image == other.to_image;
+           to_image == other.to_image && as_relief == other.as_relief && relief_scale == other.relief_scale;
   }
 };
-enum TextureRole : std::size_t { kStiffnessTexture, kFrictionTexture, kVibrotactileTexture, kTextureRoles };
+enum TextureRole : std::size_t { kStiffnessTexture, kFrictionTexture, kVibrotactileTexture, kRelief, kTextureRoles };
 
 struct HapticTag {
   bool present = false;

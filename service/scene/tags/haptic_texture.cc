@@ -10,6 +10,7 @@
 #include "service/base/free_memory.h"
 #include "service/haptics/scene/scene.h"
 #include "service/scene/gltf/json_reading.h"
+#include "service/scene/tags/relief_image.h"
 
 namespace omni::scene {
 namespace {
@@ -18,6 +19,7 @@ namespace {
 constexpr const char* kTypes[] = {"High_Resolution", "Low_Resolution", "Other"};
 constexpr std::size_t kMaxEntries = 16;
 // Different uses of textures: they are searched one by one.
+constexpr std::uint64_t kMostReliefPixels = std::uint64_t{haptics::kMaxReliefSide} * haptics::kMaxReliefSide;
 constexpr std::size_t kMaxMade = 4 * haptics::kMaxTextures;
 
 // u' = T R S u, with R turning clockwise on the image   [KHR_texture_transform]
@@ -91,29 +93,49 @@ bool IsPngOrJpeg(const std::vector<unsigned char>& stored) {
   return starts(kPng) || starts(kJpeg);
 }
 
-// The first channel as it is stored: linear, whatever colour the file says it is.
-haptics::InputImage RedOf(const std::vector<unsigned char>& stored, std::uint64_t most_pixels,
-                          const std::string& pointer) {
+// All channels, as they are stored.
+struct Pixels {
   int width = 0, height = 0, channels = 0;
+  std::unique_ptr<stbi_uc, void (*)(void*)> bytes{nullptr, stbi_image_free};
+
+  std::size_t count() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+};
+
+Pixels PixelsOf(const std::vector<unsigned char>& stored, std::uint64_t most_pixels, const std::string& pointer) {
+  Pixels pixels;
   const int bytes = static_cast<int>(stored.size());  // at most kMaxImageBytes
-  if (!IsPngOrJpeg(stored) || stbi_info_from_memory(stored.data(), bytes, &width, &height, &channels) == 0)
+  if (!IsPngOrJpeg(stored) ||
+      stbi_info_from_memory(stored.data(), bytes, &pixels.width, &pixels.height, &pixels.channels) == 0) {
     throw LoadError(pointer, "is neither PNG nor JPEG");
-  if (!(width > 0 && height > 0 &&
-        static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) <= most_pixels)) {
-    throw LoadError(pointer, "has " + std::to_string(width) + " x " + std::to_string(height) +
+  }
+  if (!(pixels.width > 0 && pixels.height > 0 && pixels.count() <= most_pixels)) {
+    throw LoadError(pointer, "has " + std::to_string(pixels.width) + " x " + std::to_string(pixels.height) +
                                  " pixels, the limit is " + std::to_string(kMaxImagePixels) + " in all, and " +
                                  std::to_string(haptics::kMaxTexels) + " with the images before it");
   }
-  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
-      stbi_load_from_memory(stored.data(), bytes, &width, &height, &channels, 0), stbi_image_free);
-  if (!pixels || channels < 1) throw LoadError(pointer, "cannot be decoded; the image is damaged");
+  pixels.bytes.reset(stbi_load_from_memory(stored.data(), bytes, &pixels.width, &pixels.height, &pixels.channels, 0));
+  if (!pixels.bytes || pixels.channels < 1) throw LoadError(pointer, "cannot be decoded; the image is damaged");
+  return pixels;
+}
+
+// The first channel: linear, whatever colour the file says it is.
+haptics::InputImage RedOf(const Pixels& pixels) {
   haptics::InputImage image;
-  image.width = static_cast<std::uint32_t>(width);
-  image.height = static_cast<std::uint32_t>(height);
-  image.texels.resize(std::size_t{image.width} * image.height);
+  image.width = static_cast<std::uint32_t>(pixels.width);
+  image.height = static_cast<std::uint32_t>(pixels.height);
+  image.texels.resize(pixels.count());
   for (std::size_t i = 0; i < image.texels.size(); ++i)
-    image.texels[i] = pixels.get()[i * static_cast<std::size_t>(channels)];
+    image.texels[i] = pixels.bytes.get()[i * static_cast<std::size_t>(pixels.channels)];
   return image;
+}
+
+MadeRelief ReliefOf(const Pixels& pixels, const std::string& pointer, const base::WorkWatch& watch) {
+  if (pixels.channels < 3) throw LoadError(pointer, "is gray, and normals have three channels");
+  const NormalPixels normals{.pixels = {pixels.bytes.get(), pixels.count() * static_cast<unsigned>(pixels.channels)},
+                             .width = static_cast<std::uint32_t>(pixels.width),
+                             .height = static_cast<std::uint32_t>(pixels.height),
+                             .channels = static_cast<std::uint32_t>(pixels.channels)};
+  return ReliefOf(normals, watch);
 }
 
 }  // namespace
@@ -143,6 +165,23 @@ std::optional<TextureUse> ReadTextureUse(const Json& root, const Json& list, con
   return best;
 }
 
+std::optional<TextureUse> ReadNormalTexture(const Json& root, const Json& material, const std::string& pointer,
+                                            Warnings& warnings) {
+  const std::string place = JoinPointer(pointer, "normalTexture");
+  try {
+    const Json* info = FindObject(material, pointer, "normalTexture");
+    if (!info) throw LoadError(place, "is missing");
+    TextureUse use = UseOf(root, *info, place);
+    use.as_relief = true;
+    if (const Json* scale = FindMember(*info, "scale")) use.relief_scale = scale->number();
+    if (!(std::abs(use.relief_scale) <= 100)) throw LoadError(JoinPointer(place, "scale"), "is not within 100");
+    return use;
+  } catch (const LoadError& error) {
+    warnings.Add(place, std::string("there is no relief to feel: ") + error.what());
+    return std::nullopt;
+  }
+}
+
 TextureReader::Image* TextureReader::ImageOf(const TextureUse& use) {
   const auto found =
       std::find_if(images_.begin(), images_.end(), [&](const Image& image) { return image.number == use.image; });
@@ -150,13 +189,17 @@ TextureReader::Image* TextureReader::ImageOf(const TextureUse& use) {
 }
 
 void TextureReader::Read(const TextureUse& use) {
-  if (ImageOf(use)) return;
+  if (Image* known = ImageOf(use)) {
+    (use.as_relief ? known->as_relief : known->as_red) = true;
+    return;
+  }
   if (images_.size() == haptics::kMaxTextures)
     return warnings_.Add(use.pointer, "is beyond the limit of " + std::to_string(haptics::kMaxTextures) +
                                           " images: 1 is used everywhere");
   Image& image = images_.emplace_back();
   image.number = use.image;
   image.pointer = JoinPointer("/images", use.image);
+  (use.as_relief ? image.as_relief : image.as_red) = true;
   try {
     if (stored_bytes_ <= file_.stored_bytes()) {
       image.stored = file_.ReadImage(use.image, kMaxImageBytes);
@@ -182,11 +225,22 @@ TextureSizes TextureReader::Measure() const {
     }
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     if (pixels > kMaxImagePixels) continue;
-    sizes.texels += pixels;
+    if (image.as_red) sizes.texels += pixels;
+    if (image.as_relief) sizes.texels += std::min(pixels, kMostReliefPixels) * 2;
+    sizes.any_relief = sizes.any_relief || image.as_relief;
     sizes.largest_samples = std::max(sizes.largest_samples, 4 * pixels);
   }
   sizes.texels = std::min<std::uint64_t>(sizes.texels, haptics::kMaxTexels);
   return sizes;
+}
+
+void TextureReader::DecodeImage(Image& image, std::uint64_t most_pixels, const base::WorkWatch& watch) {
+  const Pixels pixels = PixelsOf(image.stored, most_pixels, image.pointer);
+  if (image.as_red) image.red.image = RedOf(pixels);
+  if (!image.as_relief) return;
+  MadeRelief made = ReliefOf(pixels, image.pointer, watch);
+  image.heights = std::move(made.relief);
+  image.relief.image = std::move(made.bands);
 }
 
 void TextureReader::Decode(const base::WorkWatch& watch) {
@@ -195,37 +249,52 @@ void TextureReader::Decode(const base::WorkWatch& watch) {
     if (image.stored.empty()) continue;
     watch.Ask();
     try {
-      image.image = RedOf(image.stored, std::min(kMaxImagePixels, left), image.pointer);
-      left -= image.image.texels.size();
+      // The bands of a relief have at most twice the texels.
+      const std::uint64_t share = (image.as_red ? 1U : 0U) + (image.as_relief ? 2U : 0U);
+      DecodeImage(image, std::min(kMaxImagePixels, left / share), watch);
+      left -= image.red.image.texels.size() + image.relief.image.texels.size();
       ++decoded_;
     } catch (const LoadError& error) {
-      warnings_.Add(image.pointer, std::string("is not used, 1 is used everywhere: ") + error.what());
+      warnings_.Add(image.pointer,
+                    std::string(image.as_red ? "is not used, 1 is used everywhere: " : "is not felt: ") + error.what());
     }
     base::FreeMemory(image.stored);
   }
 }
 
+std::int32_t TextureReader::AddTo(haptics::SceneInput& input, const TextureUse& use, Image& image) {
+  Channel& channel = use.as_relief ? image.relief : image.red;
+  const std::size_t count = use.as_relief ? input.reliefs.size() : input.textures.size();
+  const std::size_t most = use.as_relief ? haptics::kMaxReliefs : haptics::kMaxTextures;
+  if (!channel.there()) return -1;
+  if (count == most) {
+    warnings_.Add(use.pointer, "is beyond the limit of " + std::to_string(most) +
+                                   (use.as_relief ? " reliefs: it is not felt" : " textures: 1 is used everywhere"));
+    return -1;
+  }
+  if (channel.index < 0) {
+    channel.index = static_cast<std::int32_t>(input.images.size());
+    input.images.push_back(std::move(channel.image));
+    channel.image = {};
+  }
+  const haptics::InputTexture texture{static_cast<std::uint32_t>(channel.index), use.uv_set, use.wrap_u, use.wrap_v,
+                                      use.to_image};
+  if (!use.as_relief) {
+    input.textures.push_back(texture);
+  } else {
+    haptics::InputRelief& relief = input.reliefs.emplace_back(image.heights);
+    relief.texture = texture;
+    for (float& step : relief.steps) step *= static_cast<float>(use.relief_scale);
+  }
+  return static_cast<std::int32_t>(count);
+}
+
 std::int32_t TextureReader::IndexOf(const TextureUse& use, haptics::SceneInput& input) {
   const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& made) { return made.use == use; });
   if (found != made_.end()) return found->index;
-  std::int32_t index = -1;
   Image* image = ImageOf(use);
   if (made_.size() == kMaxMade) return -1;
-  if (image && (image->index >= 0 || !image->image.texels.empty())) {
-    if (input.textures.size() == haptics::kMaxTextures) {
-      warnings_.Add(use.pointer, "is beyond the limit of " + std::to_string(haptics::kMaxTextures) +
-                                     " textures: 1 is used everywhere");
-    } else {
-      if (image->index < 0) {
-        image->index = static_cast<std::int32_t>(input.images.size());
-        input.images.push_back(std::move(image->image));
-        image->image = {};
-      }
-      index = static_cast<std::int32_t>(input.textures.size());
-      input.textures.push_back(
-          {static_cast<std::uint32_t>(image->index), use.uv_set, use.wrap_u, use.wrap_v, use.to_image});
-    }
-  }
+  const std::int32_t index = image ? AddTo(input, use, *image) : -1;
   made_.push_back({use, index});
   return index;
 }

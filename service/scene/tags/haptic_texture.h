@@ -25,10 +25,15 @@ inline constexpr std::uint64_t kMaxImagePixels = 16ull << 20;  // 4096 x 4096
 std::optional<TextureUse> ReadTextureUse(const Json& root, const Json& list, const std::string& pointer,
                                          Warnings& warnings);
 
+// The normalTexture of a glTF material, as a relief. None, or something wrong with it: a warning.
+std::optional<TextureUse> ReadNormalTexture(const Json& root, const Json& material, const std::string& pointer,
+                                            Warnings& warnings);
+
 // Of all images that were read.
 struct TextureSizes {
   std::uint64_t stored_bytes = 0, texels = 0;
   std::uint64_t largest_samples = 0;  // texels times channels, of one image
+  bool any_relief = false;
 };
 
 class TextureReader {
@@ -44,24 +49,32 @@ class TextureReader {
   // Decodes what was read (PNG, JPEG). Once, before IndexOf.
   void Decode(const base::WorkWatch& watch);
 
-  // Index into `input.textures`, made on first use; -1: there is none.
+  // Index into `input.textures`, or of a relief into `input.reliefs`, made on first use; -1: there is none.
   std::int32_t IndexOf(const TextureUse& use, haptics::SceneInput& input);
 
   std::uint32_t images_decoded() const { return decoded_; }
 
  private:
+  struct Channel {
+    haptics::InputImage image;  // empty: could not be decoded, or is not used
+    std::int32_t index = -1;    // in the scene's list
+    bool there() const { return index >= 0 || !image.texels.empty(); }
+  };
   struct Image {
     std::uint32_t number = 0;  // in the document
     std::string pointer;
     std::vector<unsigned char> stored;
-    haptics::InputImage image;  // empty: could not be decoded
-    std::int32_t index = -1;    // in the scene's list
+    bool as_red = false, as_relief = false;
+    Channel red, relief;
+    haptics::InputRelief heights;
   };
   struct Made {
     TextureUse use;
     std::int32_t index;
   };
   Image* ImageOf(const TextureUse& use);
+  void DecodeImage(Image& image, std::uint64_t most_pixels, const base::WorkWatch& watch);
+  std::int32_t AddTo(haptics::SceneInput& input, const TextureUse& use, Image& image);
 
   GltfFile& file_;
   Warnings& warnings_;

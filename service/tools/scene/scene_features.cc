@@ -48,6 +48,8 @@ const MaterialFeature kMaterialFeatures[] = {
     {"viscosity", "no material uses it", "up to ", " N s/m", [](const Material& m) { return m.viscosity_Ns_m; }},
     {"grating", "no vibrotactileTexture.amplitude", "amplitude up to ", " mm",
      [](const Material& m) { return 1e3 * m.texture_amplitude_m; }},
+    {"relief", "no relief of a normalTexture", "gain up to ", "",
+     [](const Material& m) { return m.relief >= 0 ? m.relief_gain : 0; }},
     {"vibration", "no material uses it", "up to ", " N", [](const Material& m) { return m.vibration_amplitude_N; }},
     {"popThrough", "no material uses it", "above ", " N", [](const Material& m) { return m.pop_through_N; }},
     {"magnet", "no material uses it", "up to ", " N", [](const Material& m) { return m.magnet_max_force_N; }},
