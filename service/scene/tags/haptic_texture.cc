@@ -170,7 +170,7 @@ std::optional<TextureUse> ReadNormalTexture(const Json& root, const Json& materi
   const std::string place = JoinPointer(pointer, "normalTexture");
   try {
     const Json* info = FindObject(material, pointer, "normalTexture");
-    if (!info) throw LoadError(place, "is missing");
+    if (!info) return std::nullopt;
     TextureUse use = UseOf(root, *info, place);
     use.as_relief = true;
     if (const Json* scale = FindMember(*info, "scale")) use.relief_scale = scale->number();

@@ -25,7 +25,7 @@ inline constexpr std::uint64_t kMaxImagePixels = 16ull << 20;  // 4096 x 4096
 std::optional<TextureUse> ReadTextureUse(const Json& root, const Json& list, const std::string& pointer,
                                          Warnings& warnings);
 
-// The normalTexture of a glTF material, as a relief. None, or something wrong with it: a warning.
+// The normalTexture of a glTF material, as a relief, if it has one. Something wrong with it: a warning.
 std::optional<TextureUse> ReadNormalTexture(const Json& root, const Json& material, const std::string& pointer,
                                             Warnings& warnings);
 
