@@ -6,7 +6,7 @@ namespace omni::bench {
 
 base::Result<BenchRows> BenchSides(const BenchOptions& options) {
   const int strokes = options.quick ? 10 : 200;
-  constexpr double kBall_m = 1e-3;
+  constexpr double kBall_m = 0.0015;  // the default tip
   BenchRows rows;
   for (const haptics::broken::Broken& broken : haptics::broken::BrokenBodies(options.seed, options.quick)) {
     for (const double radius_m : {0.0, kBall_m}) {
