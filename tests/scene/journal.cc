@@ -214,7 +214,7 @@ TEST_F(SculptJournals, UnusableJournalIsPutAsideAndKept) {
   JournalContent content = *ReadJournal(path);
   std::string bytes = RecordBytes(RecordKind::kHead, 0, 0, HeadPayload(content.head)) +
                       RecordBytes(RecordKind::kRest, 1, 0, StepPayload(content.rest));
-  content.edits.steps[0].words[5] ^= 0xFFFF;
+  content.edits.steps[0].words[8] ^= 0xFFFF;  // a neighbour of a triangle that is used
   std::ofstream(path, std::ios::binary) << bytes + RecordBytes(RecordKind::kStroke, 2, 0,
                                                                StepPayload(content.edits.steps[0]));
   {
