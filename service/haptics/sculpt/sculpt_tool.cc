@@ -9,11 +9,13 @@ constexpr double kRest_N = 0.12;       // below, the tip is neither pressed nor 
 constexpr double kFastest_m_s = 0.25;  // that the surface follows
 constexpr double kFarthestTip_m = 100;
 
-// A tip whose height, smoothed for so long, stays within so much rests: others move, if slowly.
+// A tip whose height, smoothed for so long, stays within so much for so often the material's time rests: others move,
+// if slowly.
 struct Stillness {
-  double smooth_s, within_m;
+  double smooth_s, within_m, times;
 };
-constexpr std::array kStill{Stillness{0.05, 1.5e-4}, Stillness{0.2, 3e-4}};  // a noisy pen; a hand that trembles
+constexpr std::array kStill{Stillness{0.05, 1.5e-4, 1},
+                            Stillness{0.2, 3e-4, 1.4}};  // a noisy pen; a hand that trembles
 
 void Take(const SculptInput& input, SculptToolState& state) noexcept {
   state.phase = SculptPhase::kHeld;
@@ -91,7 +93,7 @@ bool HasRested(const SculptParameters& parameters, double height_m, double stiff
     const bool rests = stays && std::abs(smooth_N) < kRest_N;
     rest.rested_s = rests ? rest.rested_s + dt_s : 0;
     if (!rests) rest.rest_height_m = rest.height_m;
-    rested |= rest.rested_s >= parameters.rest_s;
+    rested |= rest.rested_s >= kStill[n].times * parameters.rest_s;
   }
   return rested && parameters.rest_s > 0;
 }
