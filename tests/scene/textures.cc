@@ -426,6 +426,31 @@ TEST(SceneRelief, WhatIsNotThereIsNotFelt) {
   }
 }
 
+// Heights take time: images beyond the limit are not decoded.
+TEST(SceneRelief, HasALimitOfImages) {
+  const std::string image = Normals();
+  Model model = Plate(image);
+  Json& json = model.json;
+  for (std::size_t k = 1; k <= haptics::kMaxReliefs; ++k) {
+    const std::size_t at = model.bin.size();
+    model.bin += image;
+    json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", at}, {"byteLength", image.size()}});
+    json["images"].push_back({{"bufferView", 3 + k}, {"mimeType", "image/png"}});
+    json["textures"].push_back({{"source", k}});
+    json["materials"].push_back(json["materials"][0]);
+    json["materials"][k]["normalTexture"]["index"] = k;
+    json["meshes"][0]["primitives"].push_back(json["meshes"][0]["primitives"][0]);
+    json["meshes"][0]["primitives"][k]["material"] = k;
+  }
+  json["buffers"][0]["byteLength"] = model.bin.size();
+  const Rendered rendered = Render(model);
+  ASSERT_EQ(rendered.error, "");
+  EXPECT_EQ(rendered.scene.reliefs().size(), haptics::kMaxReliefs);
+  EXPECT_EQ(rendered.load.images_decoded, haptics::kMaxReliefs);
+  EXPECT_NE(WarningsOf(rendered).find("beyond the limit of 16 images with a relief"), std::string::npos)
+      << WarningsOf(rendered);
+}
+
 // Flat, upright and inward normals, one texel, odd sizes: finite heights.
 TEST(SceneRelief, IsFiniteForAnyImage) {
   haptics::Random random(11);

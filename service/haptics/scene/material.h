@@ -28,7 +28,7 @@ inline constexpr std::uint32_t kMaxRegions = 16;  // extrude regions; further on
 inline constexpr std::uint32_t kMaxSculpted = 4;  // sculpted objects; further ones stay rigid, with a report line
 inline constexpr std::uint32_t kMaxTriangles = 4'000'000;  // in a whole scene
 inline constexpr std::uint32_t kMaxTextures = 64;
-inline constexpr std::uint32_t kMaxReliefs = 32;
+inline constexpr std::uint32_t kMaxReliefs = 16;
 inline constexpr std::uint32_t kMaxTexels = 64u << 20;  // of all images together
 inline constexpr std::uint32_t kNoIndex = 0xFFFFFFFF;
 

@@ -99,8 +99,8 @@ struct InputTexture {
   std::array<double, 6> to_image{1, 0, 0, 0, 1, 0};  // u' = t0 u + t1 v + t2, v' = t3 u + t4 v + t5
 };
 
-inline constexpr std::size_t kMaxReliefBands = 11;     // 1024 down to 1 texels wide
-inline constexpr std::uint32_t kMaxReliefSide = 1024;  // texels; larger images are averaged
+inline constexpr std::size_t kMaxReliefBands = 10;    // 512 down to 1 texels wide
+inline constexpr std::uint32_t kMaxReliefSide = 512;  // texels; larger images are averaged
 
 // Heights as bands, the finest first, each half as wide and high as the one before, down to one texel. A texel t of a
 // band stands for (t - 128) x its step, in widths of a texel of the image   (T.3).

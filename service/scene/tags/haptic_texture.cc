@@ -189,7 +189,12 @@ TextureReader::Image* TextureReader::ImageOf(const TextureUse& use) {
 }
 
 void TextureReader::Read(const TextureUse& use) {
-  if (Image* known = ImageOf(use)) {
+  Image* known = ImageOf(use);
+  const auto reliefs = std::count_if(images_.begin(), images_.end(), [](const Image& i) { return i.as_relief; });
+  if (use.as_relief && !(known && known->as_relief) && reliefs == haptics::kMaxReliefs)
+    return warnings_.Add(use.pointer, "is beyond the limit of " + std::to_string(haptics::kMaxReliefs) +
+                                          " images with a relief: it is not felt");
+  if (known) {
     (use.as_relief ? known->as_relief : known->as_red) = true;
     return;
   }
@@ -234,13 +239,14 @@ TextureSizes TextureReader::Measure() const {
   return sizes;
 }
 
-void TextureReader::DecodeImage(Image& image, std::uint64_t most_pixels, const base::WorkWatch& watch) {
+std::uint64_t TextureReader::DecodeImage(Image& image, std::uint64_t most_pixels, const base::WorkWatch& watch) {
   const Pixels pixels = PixelsOf(image.stored, most_pixels, image.pointer);
   if (image.as_red) image.red.image = RedOf(pixels);
-  if (!image.as_relief) return;
+  if (!image.as_relief) return pixels.count();
   MadeRelief made = ReliefOf(pixels, image.pointer, watch);
   image.heights = std::move(made.relief);
   image.relief.image = std::move(made.bands);
+  return pixels.count();
 }
 
 void TextureReader::Decode(const base::WorkWatch& watch) {
@@ -249,10 +255,9 @@ void TextureReader::Decode(const base::WorkWatch& watch) {
     if (image.stored.empty()) continue;
     watch.Ask();
     try {
-      // The bands of a relief have at most twice the texels.
+      // The bands of a relief have at most twice the texels, of a large image fewer, but it takes time.
       const std::uint64_t share = (image.as_red ? 1U : 0U) + (image.as_relief ? 2U : 0U);
-      DecodeImage(image, std::min(kMaxImagePixels, left / share), watch);
-      left -= image.red.image.texels.size() + image.relief.image.texels.size();
+      left -= share * DecodeImage(image, std::min(kMaxImagePixels, left / share), watch);
       ++decoded_;
     } catch (const LoadError& error) {
       warnings_.Add(image.pointer,

@@ -73,7 +73,7 @@ class TextureReader {
     std::int32_t index;
   };
   Image* ImageOf(const TextureUse& use);
-  void DecodeImage(Image& image, std::uint64_t most_pixels, const base::WorkWatch& watch);
+  std::uint64_t DecodeImage(Image& image, std::uint64_t most_pixels, const base::WorkWatch& watch);  // its pixels
   std::int32_t AddTo(haptics::SceneInput& input, const TextureUse& use, Image& image);
 
   GltfFile& file_;

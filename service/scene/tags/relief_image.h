@@ -26,6 +26,6 @@ struct MadeRelief {
 MadeRelief ReliefOf(const NormalPixels& normals, const base::WorkWatch& watch);
 
 // Memory while it is made, beside the pixels: of an image of any size at most this.
-inline constexpr std::uint64_t kReliefWorkBytes = 40ull << 20;
+inline constexpr std::uint64_t kReliefWorkBytes = 16ull << 20;
 
 }  // namespace omni::scene
