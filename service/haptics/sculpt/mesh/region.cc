@@ -34,10 +34,13 @@ void Region::Remove(std::uint32_t vertex) {
   place_.Set(vertex, kNoIndex);
 }
 
-void Region::AddMiddle(std::uint32_t middle, std::uint32_t a, std::uint32_t b) {
+void Region::AddMiddle(std::uint32_t middle, std::uint32_t a, std::uint32_t b, const Vec3& edge) {
+  constexpr double kSteep = 0.7;  // cosine: 45 degrees
   made_.push_back(middle);
   if (IsHeld(a) && IsHeld(b)) Hold(middle);
-  if (Has(a) && Has(b)) Add(middle, 0.5 * (WeightOf(a) + WeightOf(b)), 0.5 * (MoveOf(a) + MoveOf(b)));
+  const Vec3 move = 0.5 * (MoveOf(a) + MoveOf(b));
+  const bool is_wall = (Has(a) || Has(b)) && std::abs(Dot(edge, Normalized(move))) > kSteep * Norm(edge);
+  if ((Has(a) && Has(b)) || is_wall) Add(middle, 0.5 * (WeightOf(a) + WeightOf(b)), move);
 }
 
 Patch PatchOf(const PagedMesh& mesh, const Region& region) {

@@ -72,8 +72,9 @@ class Region {
   // Where two parts overlap, their sum, but never more than one offset.   (3.3)
   void Add(std::uint32_t vertex, double weight, const Vec3& move);
   void Remove(std::uint32_t vertex);
-  // A vertex on the middle of an edge moves like the middle.
-  void AddMiddle(std::uint32_t middle, std::uint32_t a, std::uint32_t b);
+  // A vertex on the middle of an edge moves like the middle, unless the edge leads from the region to what lies beside
+  // it: along a wall that the stroke has made it does. `edge`: from a to b.
+  void AddMiddle(std::uint32_t middle, std::uint32_t a, std::uint32_t b, const Vec3& edge);
 
  private:
   std::vector<std::uint32_t> vertex_;

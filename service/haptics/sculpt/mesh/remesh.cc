@@ -75,7 +75,7 @@ class Remesher {
       ++counts_.splits;
       Changed(m);
       Announce(Fan(mesh_, m));
-      region_.AddMiddle(m, d.a, d.b);
+      region_.AddMiddle(m, d.a, d.b, mesh_.VertexPosition(d.b) - mesh_.VertexPosition(d.a));
     }
     return true;
   }
