@@ -214,17 +214,23 @@ std::uint32_t Welded(const std::vector<std::uint32_t>& map) {
   return welded;
 }
 
+// The i-th of those that have these materials and coordinates, as triangle `t`.
+void KeepTriangle(const std::array<std::uint32_t, 3>& t, const std::vector<std::uint16_t>& material,
+                  const std::array<std::vector<CornerUv>, kMaxUvSets>& uv, std::size_t i, Mesh& mesh) {
+  mesh.triangles.push_back(t);
+  mesh.material.push_back(material[i]);
+  for (std::size_t set = 0; set < kMaxUvSets; ++set) {
+    if (!uv[set].empty()) mesh.uv[set].push_back(uv[set][i]);
+  }
+}
+
 void DropDuplicates(Mesh& mesh, const base::WorkWatch& watch) {
   Mesh kept;
   DuplicateFinder duplicates(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     watch.Did();
     if (HasNoArea(mesh, mesh.triangles[t]) || duplicates.Seen(kept, mesh.triangles[t])) continue;
-    kept.triangles.push_back(mesh.triangles[t]);
-    kept.material.push_back(mesh.material[t]);
-    for (std::size_t set = 0; set < kMaxUvSets; ++set) {
-      if (!mesh.uv[set].empty()) kept.uv[set].push_back(mesh.uv[set][t]);
-    }
+    KeepTriangle(mesh.triangles[t], mesh.material, mesh.uv, t, kept);
   }
   kept.vertices = std::move(mesh.vertices);
   mesh = std::move(kept);
@@ -282,11 +288,7 @@ Mesh RepairMesh(const InputObject& input, RepairCounts& counts, const base::Work
     } else if (duplicates.Seen(mesh, t)) {
       ++counts.duplicate;
     } else {
-      mesh.triangles.push_back(t);
-      mesh.material.push_back(input.triangle_material[i]);
-      for (std::size_t set = 0; set < kMaxUvSets; ++set) {
-        if (!input.uv[set].empty()) mesh.uv[set].push_back(input.uv[set][i]);
-      }
+      KeepTriangle(t, input.triangle_material, input.uv, i, mesh);
     }
   }
   DropUnusedVertices(mesh, watch);

@@ -31,7 +31,7 @@ struct EdgeList {
 // Lists the edges and fills mesh.neighbours: edges of one or of three and more triangles stay without neighbour.
 EdgeList ConnectEdges(Mesh& mesh, const base::WorkWatch& watch);
 
-// Cracks: the two sides of an edge were rounded differently, and lie so near each other that nobody can feel it. Their
+// Cracks: the two sides of an edge were rounded differently, and lie closer together than can be felt. Their
 // vertices become one, the nearest first: with a tolerance that grows until the mesh is closed (mesh_repair.cc) (R.2).
 inline constexpr double kStitch_m[] = {1e-7, 1e-6, 1e-5};
 inline constexpr double kStitched = 0.5;  // where more of the border is left, these were no cracks: all stays as it was

@@ -114,6 +114,22 @@ inline int MeetMask(const TreeNode& node, const SegmentLanes& s) noexcept {
   return _mm_movemask_ps(low) | _mm_movemask_ps(high) << 4;
 }
 
+// Children whose box meets the box, one bit each.
+inline int MeetMask(const TreeNode& node, const std::array<float, 3>& lower,
+                    const std::array<float, 3>& upper) noexcept {
+  int mask = 0;
+  for (int half = 0; half < 2; ++half) {
+    __m128 meet = _mm_castsi128_ps(_mm_set1_epi32(-1));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const __m128 low = _mm_load_ps(node.lower[axis] + 4 * half), high = _mm_load_ps(node.upper[axis] + 4 * half);
+      meet = _mm_and_ps(
+          meet, _mm_and_ps(_mm_cmple_ps(low, _mm_set1_ps(upper[axis])), _mm_cmpge_ps(high, _mm_set1_ps(lower[axis]))));
+    }
+    mask |= _mm_movemask_ps(meet) << 4 * half;
+  }
+  return mask;
+}
+
 // Four points (x, y, z), rounded to nearest, one per lane.
 inline Lanes3 GatherPoints(const std::array<const double*, kLeafSize>& of) noexcept {
   const auto xy = [&](std::size_t k) noexcept { return _mm_cvtpd_ps(_mm_loadu_pd(of[k])); };

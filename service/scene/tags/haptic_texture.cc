@@ -190,8 +190,9 @@ TextureReader::Image* TextureReader::ImageOf(const TextureUse& use) {
 
 void TextureReader::Read(const TextureUse& use) {
   Image* known = ImageOf(use);
-  const auto reliefs = std::count_if(images_.begin(), images_.end(), [](const Image& i) { return i.as_relief; });
-  if (use.as_relief && !(known && known->as_relief) && reliefs == haptics::kMaxReliefs)
+  const auto is_relief = [](const Image& image) { return image.as_relief; };
+  if (use.as_relief && !(known && is_relief(*known)) &&
+      std::count_if(images_.begin(), images_.end(), is_relief) == haptics::kMaxReliefs)
     return warnings_.Add(use.pointer, "is beyond the limit of " + std::to_string(haptics::kMaxReliefs) +
                                           " images with a relief: it is not felt");
   if (known) {

@@ -138,6 +138,14 @@ inline const ContactState* ContactWith(std::uint32_t object, const State& state)
   return nullptr;
 }
 
+inline constexpr std::uint64_t kRun = 3;
+
+// Adds the ticks of runs of kRun and more to `ticks`; `run`: how long the present one is.
+inline void CountRun(bool now, std::uint64_t& run, std::uint64_t& ticks) {
+  run = now ? run + 1 : 0;
+  ticks += run == kRun ? kRun : (run > kRun ? 1 : 0);
+}
+
 // Judges one object of a scene without friction.
 class BallJudge {
  public:
@@ -176,14 +184,9 @@ class BallJudge {
   static constexpr double kLeast_N = 1e-3;
   static constexpr double kSeen_m = 20e-6;  // a missed or false contact within it is not felt
   static constexpr double kRound_m = 1e-6;  // a point on the surface may lie so far in it
-  static constexpr std::uint64_t kRun = 3;
 
   bool IsIn(const Vec3& p) { return oracle_.IsInside(p) && (radius_m_ > 0 || oracle_.Distance(p) > kRound_m); }
 
-  static void Count(bool now, std::uint64_t& run, std::uint64_t& ticks) {
-    run = now ? run + 1 : 0;
-    ticks += run == kRun ? kRun : (run > kRun ? 1 : 0);
-  }
   // Above the surface, in front of all of the ball; < 0 in it.
   double Gap(const Vec3& p) {
     const double distance_m = about_tip_.Distance(p);
@@ -210,8 +213,8 @@ class BallJudge {
         !felt && (distance_m < radius_m_ - kSeen_m || (distance_m + radius_m_ > kSeen_m && about_tip_.IsInside(tip)));
     const bool is_free = felt && distance_m > radius_m_ + kSeen_m && !about_tip_.IsInside(tip);
     const bool through = is_free && IsBetween(held, tip);
-    Count(missed, missed_run_, verdict.missed);
-    Count(is_free && !through, false_run_, verdict.false_contacts);
+    CountRun(missed, missed_run_, verdict.missed);
+    CountRun(is_free && !through, false_run_, verdict.false_contacts);
     verdict.through += through;
   }
   bool IsInverted(const Vec3& tip, const Vec3& centre, const Contact& felt, const Vec3& force_N) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "service/haptics/geometry/triangle_math.h"
+#include "tests/support/touch/ball_judge.h"
 
 namespace omni::haptics {
 
@@ -165,8 +166,8 @@ class InsideJudge {
     const bool clear = !oracle_.IsNear(tip, kWithin_m);
     touching += in_contact;
     inside_ticks += inside && clear;
-    Count(clear && inside && !in_contact, missed_run_, missed);
-    Count(clear && !inside && in_contact && !entered_, false_run_, false_contacts);
+    CountRun(clear && inside && !in_contact, missed_run_, missed);
+    CountRun(clear && !inside && in_contact && !entered_, false_run_, false_contacts);
     last_ = tip;
   }
 
@@ -174,11 +175,6 @@ class InsideJudge {
   std::uint64_t crossed = 0;  // the tip was where the body crosses itself
 
  private:
-  static constexpr std::uint64_t kRun = 3;
-  static void Count(bool wrong, std::uint64_t& run, std::uint64_t& sum) {
-    run = wrong ? run + 1 : 0;
-    sum += run == kRun ? kRun : (run > kRun ? 1U : 0U);
-  }
   bool PassesThrough(const Vec3& from, const Vec3& to) const {
     const int steps = static_cast<int>(Norm(to - from) / 1e-5);
     for (int k = 1; k < steps; ++k) {

@@ -22,17 +22,10 @@ bool IsBeside(const Corners& of, const Vec3& point, const Vec3& area) noexcept {
   return (a > 0 && b > 0 && c > 0) || (a < 0 && b < 0 && c < 0);
 }
 
-bool BoxesMeet(const Corners& a, const Corners& b) noexcept {
-  const Vec3 a_low = Min(Min(a[0], a[1]), a[2]), a_up = Max(Max(a[0], a[1]), a[2]);
-  const Vec3 b_low = Min(Min(b[0], b[1]), b[2]), b_up = Max(Max(b[0], b[1]), b[2]);
-  return a_low.x <= b_up.x && b_low.x <= a_up.x && a_low.y <= b_up.y && b_low.y <= a_up.y && a_low.z <= b_up.z &&
-         b_low.z <= a_up.z;
-}
-
 }  // namespace
 
 bool TrianglesCross(const Triangle& t, const Corners& a, const Triangle& u, const Corners& b) noexcept {
-  if (!BoxesMeet(a, b)) return false;
+  if (!BoxesMeet(BoxOf(a), BoxOf(b))) return false;
   std::size_t shared = 0, at_t = 0, at_u = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {

@@ -1,11 +1,10 @@
 // Whether a triangle of the surface being edited passes through another part of it. docs/theory/sculpting.md, (4.5).
 #pragma once
 
-#include <emmintrin.h>
-
 #include <bit>
 #include <vector>
 
+#include "service/haptics/geometry/tree_lanes.h"
 #include "service/haptics/sculpt/mesh/paged_mesh.h"
 
 namespace omni::haptics::sculpt {
@@ -54,21 +53,6 @@ class CrossingCheck {
   bool fitted_ = false;
 };
 
-// Children whose box meets the box, one bit each.
-inline unsigned MeetMask(const TreeNode& node, const FloatBox& box) noexcept {
-  unsigned mask = 0;
-  for (int half = 0; half < 2; ++half) {
-    __m128 meet = _mm_castsi128_ps(_mm_set1_epi32(-1));
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const __m128 lower = _mm_load_ps(node.lower[axis] + 4 * half), upper = _mm_load_ps(node.upper[axis] + 4 * half);
-      meet = _mm_and_ps(meet, _mm_and_ps(_mm_cmple_ps(lower, _mm_set1_ps(box.upper[axis])),
-                                         _mm_cmpge_ps(upper, _mm_set1_ps(box.lower[axis]))));
-    }
-    mask |= static_cast<unsigned>(_mm_movemask_ps(meet)) << 4 * half;
-  }
-  return mask;
-}
-
 // Calls visit(triangle) for all whose boxes may meet the box, and a few more, until one returns true; returns whether
 // one did. Precondition: the trees are fitted, or what has changed since does not matter.
 template <class Visit>
@@ -79,7 +63,7 @@ bool VisitNear(const PagedMesh& mesh, const FloatBox& box, const Visit& visit) {
   stack[size++] = 0;
   while (size > 0) {
     const TreeNode& node = surface.Node(stack[--size]);
-    for (unsigned meet = MeetMask(node, box); meet != 0; meet &= meet - 1) {
+    for (auto meet = static_cast<unsigned>(MeetMask(node, box.lower, box.upper)); meet != 0; meet &= meet - 1) {
       const std::uint32_t child = node.child[std::countr_zero(meet)];
       if ((child & kLeafBit) == 0) {
         stack[size++] = child;

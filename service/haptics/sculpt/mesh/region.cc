@@ -125,10 +125,7 @@ class Displacement {
       : mesh_(mesh), region_(region), patch_(patch), before_(before), old_(old), stays_(stays) {}
 
   std::size_t PutBack() {
-    std::vector<bool> checked(patch_.size(), false), passed(patch_.size(), false);
-    do {
-      while (TurnedOver(checked)) Recheck(checked, passed);
-    } while (PassedThrough(passed) && (Recheck(checked, passed), true));
+    while (TurnedOver() || PassedThrough()) Recheck();
     region_.SetUp(up_);
     return put_back_;
   }
@@ -145,24 +142,24 @@ class Displacement {
   bool IsMoved(std::uint32_t i) const { return i != kNoIndex && !stays_[i]; }
 
   // The triangles at what was put back have another shape now.
-  void Recheck(std::vector<bool>& checked, std::vector<bool>& passed) {
+  void Recheck() {
     std::vector<bool> put_back(region_.size(), false);
     for (const std::uint32_t i : changed_) put_back[i] = true;
     changed_.clear();
     for (std::size_t n = 0; n < patch_.size(); ++n) {
       for (const std::uint32_t i : patch_[n].at) {
         if (i == kNoIndex || !put_back[i]) continue;
-        checked[n] = passed[n] = false;
+        checked_[n] = passed_[n] = false;
         mesh_.Moved(patch_[n].triangle);
       }
     }
   }
 
-  bool TurnedOver(std::vector<bool>& checked) {
+  bool TurnedOver() {
     bool any = false;
     for (std::size_t n = 0; n < patch_.size(); ++n) {
-      if (checked[n]) continue;
-      checked[n] = true;
+      if (checked_[n]) continue;
+      checked_[n] = true;
       if (MayBecome(before_[n], mesh_.TriangleCorners(patch_[n].triangle), 0)) continue;
       for (const std::uint32_t i : patch_[n].at) any |= PutBack(i);
     }
@@ -211,7 +208,7 @@ class Displacement {
     const auto margin = static_cast<float>(std::sqrt(longest2));  // what remeshing may change around it
     for (float& x : box.lower) x -= margin;
     for (float& x : box.upper) x += margin;
-    up_ = up_ == Vec3{} && found.size() == patch_.size() ? up : Vec3{};
+    const bool is_all = found.size() == patch_.size();
     for (std::size_t i = 0; i < found.size(); ++i) {
       for (const std::uint32_t t : mesh_.GetTriangle(found[i]).neighbour) {
         if (field.Has(t)) continue;
@@ -222,35 +219,32 @@ class Displacement {
     const bool alone = !VisitNear(mesh_, box, [&](std::uint32_t other) {
       return mesh_.IsLive(other) && field.Find(other) != first && BoxesMeet(BoxOf(mesh_.TriangleCorners(other)), box);
     });
-    if (!alone) up_ = {};
+    if (alone && is_all) up_ = up;
     return alone;
   }
 
   // Where two triangles have come through each other, or a vertex too near to what is not beside it   (4.5).
-  bool PassedThrough(std::vector<bool>& passed) {
+  bool PassedThrough() {
     if (std::all_of(stays_.begin(), stays_.end(), [](bool stays) { return stays; })) return false;
     if (IsFieldOfHeights()) return false;
     mesh_.FitTrees();
     const std::vector<bool> flat = FlatFans();
     std::vector<std::uint32_t> wrong;  // triangles
     for (std::size_t n = 0; n < patch_.size(); ++n) {
-      if (passed[n]) continue;
-      passed[n] = true;
+      if (passed_[n]) continue;
+      passed_[n] = true;
       const auto& at = patch_[n].at;
       if (!IsMoved(at[0]) && !IsMoved(at[1]) && !IsMoved(at[2])) continue;
       const std::uint32_t triangle = patch_[n].triangle;
       const Triangle& t = mesh_.GetTriangle(triangle);
       const Corners corners = mesh_.TriangleCorners(triangle);
-      const FloatBox box = BoxOf(corners);
-      VisitNear(mesh_, box, [&](std::uint32_t other) {
+      VisitNear(mesh_, BoxOf(corners), [&](std::uint32_t other) {
         if (other == triangle) return false;
-        const Corners other_corners = mesh_.TriangleCorners(other);
-        if (!BoxesMeet(BoxOf(other_corners), box)) return false;
         const Triangle& u = mesh_.GetTriangle(other);
         for (std::size_t k = 0; k < 3; ++k) {
           if (at[k] != kNoIndex && flat[at[k]] && HasVertex(u, t.vertex[k])) return false;
         }
-        const bool crosses = TrianglesCross(t, corners, u, other_corners);
+        const bool crosses = TrianglesCross(t, corners, u, mesh_.TriangleCorners(other));
         if (!crosses || TrianglesCross(t, before_[n], u, Before(u))) return false;
         wrong.push_back(triangle);
         wrong.push_back(other);
@@ -334,7 +328,9 @@ class Displacement {
   const std::vector<Corners>& before_;
   const std::vector<Vec3>& old_;
   std::vector<bool>& stays_;
-  std::vector<std::uint32_t> changed_;  // put back since the last Recheck
+  std::vector<bool> checked_ = std::vector<bool>(patch_.size(), false);  // that it has not turned over ...
+  std::vector<bool> passed_ = checked_;                                  // ... nor passed through
+  std::vector<std::uint32_t> changed_;                                   // put back since the last Recheck
   std::size_t put_back_ = 0;
   Vec3 up_;  // Region::up()
 };

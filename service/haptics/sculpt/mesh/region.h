@@ -110,8 +110,8 @@ Weighted WeighBall(const PagedMesh& mesh, const SurfacePoint& at, const Brush& b
 // that Displace can judge each triangle before and after.   (3.4)
 double LongestStep(const PagedMesh& mesh, const Region& region, const Patch& patch);
 
-// p += offset_m * move. Vertices at which a triangle would lose its area or turn over stay where they are. Returns the
-// number of those.
+// p += offset_m * move. Vertices at which a triangle would lose its area, turn over, or come to another part of the
+// surface stay where they are. Returns the number of those.
 std::size_t DisplaceVertices(PagedMesh& mesh, Region& region, const Patch& patch, double offset_m);
 
 }  // namespace omni::haptics::sculpt

@@ -51,10 +51,7 @@ class Remesher {
 
   bool TooLong(std::uint32_t t) const noexcept { return LongestSquared(mesh_.TriangleCorners(t)) > long_squared_; }
 
-  bool TooShort(std::uint32_t t) const noexcept {
-    const Corners c = mesh_.TriangleCorners(t);
-    return std::min({EdgeSquared(c, 0), EdgeSquared(c, 1), EdgeSquared(c, 2)}) < short_squared_;
-  }
+  bool TooShort(std::uint32_t t) const noexcept { return ShortestSquared(mesh_.TriangleCorners(t)) < short_squared_; }
 
   // The stroke moves a corner of it.
   bool IsMoved(std::uint32_t t) const noexcept {
