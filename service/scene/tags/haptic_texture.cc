@@ -253,11 +253,11 @@ std::uint64_t TextureReader::DecodeImage(Image& image, std::uint64_t most_pixels
 void TextureReader::Decode(const base::WorkWatch& watch) {
   std::uint64_t left = haptics::kMaxTexels;
   for (Image& image : images_) {
-    if (image.stored.empty()) continue;
+    // The bands of a relief have at most twice the texels, of a large image fewer, but it takes time.
+    const std::uint64_t share = (image.as_red ? 1U : 0U) + (image.as_relief ? 2U : 0U);
+    if (image.stored.empty() || share == 0) continue;
     watch.Ask();
     try {
-      // The bands of a relief have at most twice the texels, of a large image fewer, but it takes time.
-      const std::uint64_t share = (image.as_red ? 1U : 0U) + (image.as_relief ? 2U : 0U);
       left -= share * DecodeImage(image, std::min(kMaxImagePixels, left / share), watch);
       ++decoded_;
     } catch (const LoadError& error) {
