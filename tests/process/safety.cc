@@ -96,25 +96,52 @@ TEST(ProcessSafety, LosingFocusZeroesCoilsWithin50Milliseconds) {
   EXPECT_LE(ms, 50);
 }
 
-TEST(ProcessSafety, ContactForceIsSteadyFor20HzApplication) {
-  ServiceProcess service;
-  service.Start();
-  TestApplication app(service);
-  ASSERT_TRUE(app.Focus());
-  ASSERT_TRUE(app.WaitForForce(kPushing_N));
-  app.Run(500, 5);  // the hand arrives
-  const auto felt_N = [&](int period_ms) {
-    std::vector<double> forces_N;
-    for (int i = 0; i < 1500 / period_ms; ++i) {
-      app.Run(period_ms, period_ms);
-      forces_N.push_back(app.Force_N());
+struct Feeling {
+  std::vector<double> forces_N;  // at each of the application's frames
+  bool stalled = false;  // the computer held omnid, the twin or this process: that cuts the force for a time, and shall
+};
+
+// What is felt for 1.5 s by an application with frames of `period_ms`.
+Feeling FeelFor(TestApplication& app, int period_ms) {
+  constexpr std::int64_t kStall_ns = 10'000'000;
+  Feeling felt;
+  const auto state = app.connection().state();
+  std::uint64_t next = state->published();
+  std::int64_t last_ns = 0;
+  protocol::ToolSample sample;
+  protocol::TelemetrySample telemetry;
+  for (int i = 0; i < 1500 / period_ms; ++i) {
+    const std::int64_t begin_ns = base::MonotonicNow_ns();
+    app.Run(period_ms, period_ms);
+    felt.stalled |= base::MonotonicNow_ns() - begin_ns > 2'000'000 * period_ms + kStall_ns;
+    for (; next < state->published(); ++next) {
+      if (!state->ReadAt(next, sample, telemetry)) continue;
+      felt.stalled |= last_ns != 0 && sample.t_ns - last_ns > kStall_ns;
+      last_ns = sample.t_ns;
     }
-    return forces_N;
-  };
-  const std::vector<double> fast_N = felt_N(5);
-  const std::vector<double> slow_N = felt_N(50);
-  EXPECT_GT(tools::Mean(slow_N), 0.75 * tools::Mean(fast_N)) << "a slow application must not feel a fading contact";
-  EXPECT_GT(*std::min_element(slow_N.begin(), slow_N.end()), 0.25 * tools::Mean(fast_N));
+    felt.forces_N.push_back(app.Force_N());
+  }
+  return felt;
+}
+
+// Repeated only while the computer stalls, never because of what was felt.
+TEST(ProcessSafety, ContactForceIsSteadyFor20HzApplication) {
+  for (int run = 0; run < 6; ++run) {
+    ServiceProcess service;
+    service.Start();
+    TestApplication app(service);
+    ASSERT_TRUE(app.Focus());
+    ASSERT_TRUE(app.WaitForForce(kPushing_N));
+    app.Run(500, 5);  // the hand arrives
+    const Feeling fast = FeelFor(app, 5);
+    const Feeling slow = FeelFor(app, 50);
+    if (fast.stalled || slow.stalled) continue;
+    const double fast_N = tools::Mean(fast.forces_N);
+    EXPECT_GT(tools::Mean(slow.forces_N), 0.75 * fast_N) << "a slow application must not feel a fading contact";
+    EXPECT_GT(*std::min_element(slow.forces_N.begin(), slow.forces_N.end()), 0.25 * fast_N);
+    return;
+  }
+  FAIL() << "the computer stalled in each of the runs";
 }
 
 TEST(ProcessSafety, LastFocusedApplicationOwnsForceOthersStillGetPoses) {
