@@ -89,6 +89,8 @@ function(omni_discover target prefix)
   endif()
 endfunction()
 
+set(OMNI_WITHOUT_TESTS "" CACHE STRING "Names of tests that are left out: scripts/check, of what cannot race")
+
 # omni_test(NAME [FOLDER f] [DEPS targets...] [LABELS ...] [TIMEOUT s] [REAL_TIME] [VIRTUAL_TIME [EXCEPT suites...]]
 # [WITHOUT suite]): test_NAME from tests/NAME/*.cc, or tests/f/*.cc. REAL_TIME: needs the time that it takes on a quiet
 # machine without sanitizers (scripts/check leaves it out, as what starts real processes). VIRTUAL_TIME, WITHOUT: as
@@ -103,6 +105,9 @@ function(omni_test name)
     return()
   endif()
   add_executable(test_${name} ${sources})
+  if(name IN_LIST OMNI_WITHOUT_TESTS)
+    set_target_properties(test_${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+  endif()
   target_link_libraries(test_${name} PRIVATE ${ARG_DEPS} GTest::gtest GTest::gtest_main)
   set_target_properties(test_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_compile_definitions(test_${name} PRIVATE OMNI_SOURCE_DIR="${omni_SOURCE_DIR}" OMNI_BINARY_DIR="${CMAKE_BINARY_DIR}")
@@ -120,6 +125,9 @@ function(omni_test name)
   endif()
   if(NOT ARG_REAL_TIME AND NOT ARG_VIRTUAL_TIME)
     set_property(GLOBAL APPEND PROPERTY OMNI_TIMELESS_TESTS ${name})
+  endif()
+  if(name IN_LIST OMNI_WITHOUT_TESTS)
+    return()
   endif()
   set(time)
   if(ARG_VIRTUAL_TIME)
