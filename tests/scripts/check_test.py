@@ -3,8 +3,10 @@ import functools
 import importlib.machinery
 import importlib.util
 import json
+import os
 import pathlib
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
@@ -45,21 +47,31 @@ class Sources(unittest.TestCase):
 
 
 class Threads(unittest.TestCase):
-    def starts_threads(self, text):
+    def counted(self, text):
+        """The census of a program of this text: its key, or nothing if it was not alone."""
         with tempfile.TemporaryDirectory() as folder:
-            source, program = pathlib.Path(folder) / "one.cc", pathlib.Path(folder) / "one"
+            source, program, census = (pathlib.Path(folder) / name for name in ("one.cc", "one", "census"))
             source.write_text(text)
-            check.must(["c++", "-std=c++20", "-o", str(program), str(source), "-pthread"])
-            return check.starts_threads(program)
+            check.must(["c++", "-std=c++20", "-o", str(program), str(source),
+                        str(check.ROOT / "tests/support/thread_census.cc"), "-pthread"])
+            subprocess.run([str(program), "--gtest_filter=A.B", "more"], env={**os.environ, "OMNI_THREAD_CENSUS": str(census)})
+            return [check.key_of(line.split("\t")) for line in census.read_text().splitlines()] if census.exists() else []
 
-    def test_a_program_that_can_start_a_thread_is_known(self):
-        self.assertTrue(self.starts_threads("#include <thread>\nint main() { std::thread([] {}).join(); }\n"))
-        self.assertTrue(self.starts_threads("#include <future>\nint main() { return std::async([] { return 0; }).get(); }\n"))
-        self.assertTrue(self.starts_threads("#include <pthread.h>\nvoid* Run(void*) { return nullptr; }\n"
-                                            "int main() { pthread_t id; return pthread_create(&id, nullptr, Run, nullptr); }\n"))
+    def test_a_program_that_starts_a_thread_or_a_process_was_not_alone(self):
+        for text in ("#include <thread>\nint main() { std::thread([] {}).join(); }\n",
+                     "#include <future>\nint main() { return std::async(std::launch::async, [] { return 0; }).get(); }\n",
+                     "#include <pthread.h>\nvoid* Run(void*) { return nullptr; }\n"
+                     "int main() { pthread_t id; pthread_create(&id, nullptr, Run, nullptr); return pthread_join(id, nullptr); }\n",
+                     "#include <cstdlib>\nint main() { return std::system(\"true\"); }\n",
+                     "#include <sys/wait.h>\n#include <unistd.h>\nint main() { if (fork() == 0) _exit(0); return wait(nullptr) < 0; }\n"):
+            self.assertEqual(self.counted(text), [], text)
 
-    def test_a_program_that_cannot_is_known(self):
-        self.assertFalse(self.starts_threads("#include <mutex>\nint main() { std::mutex one; one.lock(); one.unlock(); }\n"))
+    def test_a_program_that_does_not_was(self):
+        text = "#include <mutex>\nint main() { std::mutex one; one.lock(); one.unlock(); }\n"
+        self.assertEqual(self.counted(text), [("one", "--gtest_filter=A.B")])
+
+    def test_one_that_ends_in_a_crash_is_not_counted(self):
+        self.assertEqual(self.counted("#include <cstdlib>\nint main() { std::abort(); }\n"), [])
 
 
 class JoinedSources(unittest.TestCase):
