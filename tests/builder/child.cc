@@ -365,8 +365,10 @@ TEST_F(ChildBuilderTest, IsTheFirstToGoAndLeavesTheProcessorToOthers) {
     }
     return std::string();
   };
-  EXPECT_TRUE(Soon([&] { return line("status", "Seccomp:\t") == "2"; }));
-  EXPECT_EQ(line("oom_score_adj", ""), "1000");
+  EXPECT_TRUE(Soon([&] { return line("oom_score_adj", "") == "1000"; }));
+  if (!base::kSanitized) {  // sanitizers make system calls of their own
+    EXPECT_TRUE(Soon([&] { return line("status", "Seccomp:\t") == "2"; }));
+  }
   EXPECT_EQ(line("status", "NoNewPrivs:\t"), "1");
   EXPECT_EQ(line("environ", ""), "");
   EXPECT_GE(getpriority(PRIO_PROCESS, static_cast<id_t>(pid)), 5);
