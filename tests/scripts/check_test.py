@@ -63,7 +63,9 @@ class Threads(unittest.TestCase):
                      "#include <pthread.h>\nvoid* Run(void*) { return nullptr; }\n"
                      "int main() { pthread_t id; pthread_create(&id, nullptr, Run, nullptr); return pthread_join(id, nullptr); }\n",
                      "#include <cstdlib>\nint main() { return std::system(\"true\"); }\n",
-                     "#include <sys/wait.h>\n#include <unistd.h>\nint main() { if (fork() == 0) _exit(0); return wait(nullptr) < 0; }\n"):
+                     "#include <sys/wait.h>\n#include <unistd.h>\nint main() { if (fork() == 0) _exit(0); return wait(nullptr) < 0; }\n",
+                     "#include <pty.h>\n#include <sys/wait.h>\n#include <unistd.h>\nint main() { int terminal; "
+                     "if (forkpty(&terminal, nullptr, nullptr, nullptr) == 0) _exit(0); return wait(nullptr) < 0; }\n"):
             self.assertEqual(self.counted(text), [], text)
 
     def test_a_program_that_does_not_was(self):

@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <pthread.h>
+#include <pty.h>
 #include <spawn.h>
 #include <sys/types.h>
 #include <unistd.h>
@@ -56,6 +57,9 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
   return Next<decltype(pthread_create)>("pthread_create")(thread, attributes, run, argument);
 }
 pid_t fork() { return Next<decltype(fork)>("fork")(); }
+int forkpty(int* terminal, char* name, const termios* settings, const winsize* size) {
+  return Next<decltype(forkpty)>("forkpty")(terminal, name, settings, size);
+}
 int posix_spawn(pid_t* pid, const char* path, const posix_spawn_file_actions_t* actions,
                 const posix_spawnattr_t* attributes, char* const words[], char* const environment[]) {
   return Next<decltype(posix_spawn)>("posix_spawn")(pid, path, actions, attributes, words, environment);
