@@ -196,7 +196,7 @@ class BallJudge {
   // for a place on an edge or a corner may belong to either face.
   bool IsBetween(const Vec3& held, const Vec3& tip) {
     for (int n = 0; n < 27; ++n) {
-      const Vec3 from = held + 5e-6 * Vec3{n % 3 - 1.0, n / 3 % 3 - 1.0, n / 9 - 1.0};
+      const Vec3 from = held + 5e-6 * Vec3{n % 3 - 1.0, n / 3 % 3 - 1.0, n / 9 % 3 - 1.0};
       const double way_m = Norm(tip - from);
       for (double s_m = 1e-6; s_m < way_m; s_m *= 1.2) {
         if (Gap(from + (s_m / way_m) * (tip - from)) < -1e-7) return true;
