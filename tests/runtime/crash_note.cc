@@ -25,8 +25,12 @@ const char* ObjectOf(const void* address) {
   return dladdr(address, &info) != 0 ? info.dli_fname : nullptr;
 }
 
-// abort() and what it is made of are in the C library; whoever called it is meant.
-bool IsCLibrary(const char* object) { return std::strstr(object, "/libc.so") != nullptr; }
+// abort() and what it is made of are in the C library, and in instrumented programs also in the sanitizer's, which
+// stands between; whoever called it is meant.
+bool IsCLibrary(const char* object) {
+  return std::strstr(object, "/libc.so") != nullptr || std::strstr(object, "/libtsan.so") != nullptr ||
+         std::strstr(object, "/libasan.so") != nullptr;
+}
 
 const char* Culprit(const ucontext_t& context) {
   const auto address = static_cast<uintptr_t>(context.uc_mcontext.gregs[REG_RIP]);
