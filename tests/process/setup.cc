@@ -13,7 +13,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "service/base/sanitized.h"
 #include "tests/support/process/child_process.h"
 #include "tests/support/process/temp_folder.h"
 
@@ -62,8 +61,9 @@ void ExpectSays(const Ran& ran, const std::string& words) {
 }
 
 TEST(ProcessSetup, RehearsalGoesFromNothingToAForceAndChangesNothing) {
-  if (base::kSanitized)
-    GTEST_SKIP() << "its forces are made in real time, for which instrumented programs are too slow";
+#if defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "its forces are made in real time, for which ThreadSanitizer is too slow";
+#endif
   const Person person;
   const Ran ran = person.Setup({"--rehearse", "--yes"});
   EXPECT_EQ(ran.status, 0) << ran.text;
