@@ -25,11 +25,10 @@ const char* ObjectOf(const void* address) {
   return dladdr(address, &info) != 0 ? info.dli_fname : nullptr;
 }
 
-// abort() and what it is made of are in the C library, and in instrumented programs also in the sanitizer's, which
-// stands between; whoever called it is meant.
-bool IsCLibrary(const char* object) {
-  return std::strstr(object, "/libc.so") != nullptr || std::strstr(object, "/libtsan.so") != nullptr ||
-         std::strstr(object, "/libasan.so") != nullptr;
+// abort() and what it is made of are in the C library, and ThreadSanitizer's stands before it; whoever called it is
+// meant.
+bool StandsBehindAbort(const char* object) {
+  return std::strstr(object, "/libc.so") != nullptr || std::strstr(object, "/libtsan.so") != nullptr;
 }
 
 const char* Culprit(const ucontext_t& context) {
@@ -38,14 +37,14 @@ const char* Culprit(const ucontext_t& context) {
   const auto* const instruction = reinterpret_cast<const void*>(address);
   const char* const object = ObjectOf(instruction);
   if (object == nullptr) return "generated code";
-  if (!IsCLibrary(object)) return object;
+  if (!StandsBehindAbort(object)) return object;
   void* frames[64];
   const int count = backtrace(frames, 64);
   bool below = false;  // the crash, not this handler
   for (int i = 0; i < count; ++i) {
     below = below || frames[i] == instruction;
     const char* const caller = ObjectOf(frames[i]);
-    if (below && caller != nullptr && !IsCLibrary(caller)) return caller;
+    if (below && caller != nullptr && !StandsBehindAbort(caller)) return caller;
   }
   return object;
 }
